@@ -1,0 +1,1 @@
+"""On-board train functions as open, proven gateware."""

@@ -1,0 +1,1 @@
+"""The odometer: wheel-sensor edges to period, phase and distance."""

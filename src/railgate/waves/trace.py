@@ -1,0 +1,193 @@
+"""A set of signals with one time base."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from railgate.waves.waveform import Ticks, Waveform
+
+__all__ = ["Difference", "Trace", "rescale"]
+
+
+def rescale(ticks: Ticks, ratio: Fraction) -> Ticks:
+    """ceil(ticks · ratio), exact for every int64 result; raises OverflowError beyond it."""
+    up, down = ratio.numerator, ratio.denominator
+    if up == down:
+        return ticks
+    limit = np.iinfo(np.int64).max
+    if ticks.size:
+        extreme = max(abs(int(ticks[0])), abs(int(ticks[-1])))
+        if extreme * up // down >= limit or up * down >= limit:
+            raise OverflowError(f"tick {extreme} times {ratio} leaves 64 bits")
+    whole, rest = np.divmod(ticks, down)
+    return whole * up + -(-(rest * up) // down)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The first place where two traces part: signal, tick, and what each holds there."""
+
+    signal: str
+    tick: int
+    left: int | None
+    right: int | None
+
+    def __str__(self) -> str:
+        return f"{self.signal} at tick {self.tick}: {self.left} against {self.right}"
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Named waveforms over start ≤ tick < end, each beginning at `start`.
+
+    signals: name -> Waveform, in the order in which they are shown.
+    period: seconds per tick, exact. Tick k is the time from k·period until (k + 1)·period.
+    """
+
+    signals: Mapping[str, Waveform]
+    period: Fraction
+    start: int
+    end: int
+
+    def __post_init__(self) -> None:
+        if self.period <= 0:
+            raise ValueError(f"a tick's period must be above 0 s, not {self.period}")
+        if self.end < self.start:
+            raise ValueError(f"a trace must not end before its start, {self.end} < {self.start}")
+        for name, wave in self.signals.items():
+            if wave.ticks[0] != self.start:
+                raise ValueError(
+                    f'"{name}" must begin at the trace\'s start, tick {self.start}, '
+                    f"not {wave.ticks[0]}"
+                )
+            if wave.ticks[-1] >= max(self.end, self.start + 1):
+                raise ValueError(
+                    f'"{name}" must end before the trace\'s end, tick {self.end}, '
+                    f"not {wave.ticks[-1]}"
+                )
+
+    @property
+    def duration_s(self) -> Fraction:
+        return (self.end - self.start) * self.period
+
+    def __getitem__(self, name: str) -> Waveform:
+        try:
+            return self.signals[name]
+        except KeyError:
+            there = ", ".join(self.signals) or "none"
+            raise ValueError(f'no channel "{name}"; there are: {there}') from None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Trace):
+            return NotImplemented
+        return self.first_difference(other) is None
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _with(self, signals: Mapping[str, Waveform]) -> Trace:
+        return Trace(signals, self.period, self.start, self.end)
+
+    def select(self, names: Iterable[str]) -> Trace:
+        """Only the signals named, in that order."""
+        return self._with({name: self[name] for name in names})
+
+    def rename(self, names: Mapping[str, str]) -> Trace:
+        """The same signals, those in `names` under their new name."""
+        for old in names:
+            self[old]
+        return self._with({names.get(name, name): wave for name, wave in self.signals.items()})
+
+    def merge(self, other: Trace) -> Trace:
+        """The signals of both, which must share time base and span and no name."""
+        if (self.period, self.start, self.end) != (other.period, other.start, other.end):
+            raise ValueError("only traces of one time base and span can be merged")
+        if both := self.signals.keys() & other.signals.keys():
+            raise ValueError(f"both traces have the signals {', '.join(sorted(both))}")
+        return self._with({**self.signals, **other.signals})
+
+    def slice(self, start: int, end: int) -> Trace:
+        """The part in start ≤ tick < end, which must lie inside the trace."""
+        if not self.start <= start <= end <= self.end:
+            raise ValueError(
+                f"a slice must lie inside ticks {self.start}..{self.end}, not {start}..{end}"
+            )
+        signals = {name: wave.slice(start, end) for name, wave in self.signals.items()}
+        return Trace(signals, self.period, start, end)
+
+    def shift(self, ticks: int) -> Trace:
+        """The same trace, `ticks` later."""
+        signals = {name: wave.shift(ticks) for name, wave in self.signals.items()}
+        return Trace(signals, self.period, self.start + ticks, self.end + ticks)
+
+    def extend(self, end: int) -> Trace:
+        """The same trace with the last values held until `end`."""
+        return Trace(self.signals, self.period, self.start, max(end, self.end))
+
+    def resample(self, period: Fraction) -> Trace:
+        """What a sampler of another clock sees: at its tick j the value of time j · period.
+
+        A change between two of its ticks is seen at the later one, of several only the last.
+        """
+        ratio = self.period / period
+        start, end = (int(t) for t in rescale(np.array([self.start, self.end]), ratio))
+        last = max(end, start + 1) - 1
+        signals = {}
+        for name, wave in self.signals.items():
+            ticks = rescale(wave.ticks, ratio)
+            seen = ticks <= last
+            signals[name] = Waveform.of(ticks[seen], wave.values[seen], wave.width, wave.signed)
+        return Trace(signals, period, start, end)
+
+    def concatenate(self, other: Trace) -> Trace:
+        """This trace, then `other`, which must begin where this one ends and carry its signals."""
+        if (self.period, self.end) != (other.period, other.start):
+            raise ValueError(
+                f"the next trace must begin at tick {self.end} of {self.period} s, "
+                f"not at {other.start} of {other.period} s"
+            )
+        if self.signals.keys() != other.signals.keys():
+            odd = ", ".join(sorted(self.signals.keys() ^ other.signals.keys()))
+            raise ValueError(f"both traces must carry the same signals; only one has: {odd}")
+        if self.end == self.start:
+            return other
+        if other.end == other.start:
+            return self
+        signals = {}
+        for name, wave in self.signals.items():
+            then = other[name]
+            signals[name] = Waveform.of(
+                np.concatenate([wave.ticks, then.ticks]),
+                np.concatenate([wave.values, then.values]),
+                wave.width,
+                wave.signed,
+            )
+        return Trace(signals, self.period, self.start, other.end)
+
+    def first_difference(self, other: Trace) -> Difference | None:
+        """The earliest difference of the two (a missing signal or end counts), or None."""
+        if self.period != other.period:
+            raise ValueError(
+                f"traces with ticks of {self.period} s and {other.period} s cannot be compared"
+            )
+        for name in (*self.signals, *other.signals):
+            if name not in self.signals or name not in other.signals:
+                mine, its = self.signals.get(name), other.signals.get(name)
+                return Difference(
+                    name,
+                    self.start,
+                    None if mine is None else int(mine.values[0]),
+                    None if its is None else int(its.values[0]),
+                )
+        found = []
+        for name, wave in self.signals.items():
+            tick = wave.first_difference(other[name])
+            if tick is not None:
+                values = (w.at(tick) if tick >= w.ticks[0] else None for w in (wave, other[name]))
+                found.append(Difference(name, tick, *(v if v is None else int(v) for v in values)))
+        if not found and self.end != other.end:
+            return Difference("the end", min(self.end, other.end), self.end, other.end)
+        return min(found, key=lambda difference: difference.tick, default=None)

@@ -1,0 +1,132 @@
+"""One signal as a step function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["MAX_WIDTH", "Ticks", "Values", "Waveform", "storage"]
+
+Ticks = NDArray[np.int64]
+Values = NDArray[Any]
+
+MAX_WIDTH = 64
+
+
+def storage(width: int, signed: bool = False) -> np.dtype[Any]:
+    """The smallest integer type that holds `width` bits."""
+    if not 1 <= width <= MAX_WIDTH:
+        raise ValueError(f"a signal's width must be between 1 and {MAX_WIDTH} bits, not {width}")
+    size = next(bits for bits in (8, 16, 32, 64) if width <= bits)
+    return np.dtype(f"{'int' if signed else 'uint'}{size}")
+
+
+@dataclass(frozen=True, eq=False)
+class Waveform:
+    """A signal that holds `values[i]` from tick `ticks[i]` until `ticks[i + 1]`.
+
+    ticks: shape (n,), int64, strictly rising, n ≥ 1; ticks[0] is where the signal begins.
+    values: shape (n,), the smallest integer type of `width` bits, successive ones different.
+    Raises ValueError where any of this does not hold.
+    """
+
+    ticks: Ticks
+    values: Values
+    width: int = 1
+    signed: bool = False
+
+    def __post_init__(self) -> None:
+        ticks = np.ascontiguousarray(self.ticks, dtype=np.int64)
+        values = np.ascontiguousarray(self.values, dtype=storage(self.width, self.signed))
+        if ticks.ndim != 1 or ticks.shape != values.shape or not ticks.size:
+            raise ValueError(
+                "a waveform needs as many values as ticks and at least one, "
+                f"not {ticks.shape} ticks and {values.shape} values"
+            )
+        if not (ticks[1:] > ticks[:-1]).all():
+            at = int(np.argmin(ticks[1:] > ticks[:-1]))
+            raise ValueError(
+                f"ticks must rise strictly, not go from {ticks[at]} to {ticks[at + 1]}"
+            )
+        if (values[1:] == values[:-1]).any():
+            at = int(np.argmax(values[1:] == values[:-1]))
+            raise ValueError(f"successive values must differ, not repeat at tick {ticks[at + 1]}")
+        object.__setattr__(self, "ticks", ticks)
+        object.__setattr__(self, "values", values)
+
+    @classmethod
+    def of(
+        cls, ticks: ArrayLike, values: ArrayLike, width: int = 1, signed: bool = False
+    ) -> Waveform:
+        """From samples in order of time: of equal ticks the last counts, repeats are dropped."""
+        at = np.asarray(ticks, dtype=np.int64)
+        what = np.asarray(values).astype(storage(width, signed), copy=False)
+        if at.size > 1:
+            last = np.append(at[1:] != at[:-1], True)
+            if not last.all():
+                at, what = at[last], what[last]
+            new = np.append(True, what[1:] != what[:-1])
+            if not new.all():
+                at, what = at[new], what[new]
+        return cls(at, what, width, signed)
+
+    def __len__(self) -> int:
+        return self.ticks.size
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Waveform):
+            return NotImplemented
+        return (
+            (self.width, self.signed) == (other.width, other.signed)
+            and np.array_equal(self.ticks, other.ticks)
+            and np.array_equal(self.values, other.values)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def at(self, ticks: ArrayLike) -> Values:
+        """The values at `ticks`, none of which may lie before the signal begins."""
+        index = np.searchsorted(self.ticks, np.asarray(ticks, dtype=np.int64), side="right") - 1
+        if (index < 0).any():
+            raise ValueError(f"the signal begins at tick {self.ticks[0]}, not before")
+        return self.values[index]
+
+    def rising(self) -> Ticks:
+        """The ticks at which the signal leaves zero. Shape (edges,)."""
+        high = self.values != 0
+        return self.ticks[1:][high[1:] & ~high[:-1]]
+
+    def falling(self) -> Ticks:
+        """The ticks at which the signal returns to zero. Shape (edges,)."""
+        high = self.values != 0
+        return self.ticks[1:][~high[1:] & high[:-1]]
+
+    def slice(self, start: int, end: int) -> Waveform:
+        """The part in start ≤ tick < end, beginning with the value held at `start`."""
+        first = max(int(np.searchsorted(self.ticks, start, side="right")) - 1, 0)
+        last = max(int(np.searchsorted(self.ticks, end, side="left")), first + 1)
+        ticks = self.ticks[first:last].copy()
+        ticks[0] = max(ticks[0], start)
+        return Waveform(ticks, self.values[first:last], self.width, self.signed)
+
+    def shift(self, ticks: int) -> Waveform:
+        """The same signal, `ticks` later."""
+        return Waveform(self.ticks + ticks, self.values, self.width, self.signed)
+
+    def first_difference(self, other: Waveform) -> int | None:
+        """The first tick at which the two hold different values, None where there is none.
+
+        Where one begins later than the other, the later beginning is a difference of the earlier.
+        """
+        if self.ticks[0] != other.ticks[0]:
+            return int(min(self.ticks[0], other.ticks[0]))
+        n = min(len(self), len(other))
+        unequal = (self.ticks[:n] != other.ticks[:n]) | (self.values[:n] != other.values[:n])
+        if unequal.any():
+            at = int(np.argmax(unequal))
+            return int(min(self.ticks[at], other.ticks[at]))
+        longer = self if len(self) > n else other
+        return int(longer.ticks[n]) if len(longer) > n else None
