@@ -3,70 +3,75 @@
 Gateware and model are written from this page and from requirements ODO-1 … ODO-13, not from one
 another. Ref: source 000, sections 1 and 2.
 
-**Ticks.** A tick is one period of the reference clock; `x[k]` is what x holds during tick k. Tick 0
-is the first after reset (`rst` is 1 in tick k: tick k + 1 is a new tick 0 and all is as at start).
-In one tick the events below take place in the order in which they stand here, the strobe last.
+**Ticks.** A tick is one period of the reference clock; `x[k]` is what x holds during tick k. Tick
+0 is the first after reset (`rst` is 1 in tick k: tick k + 1 is a new tick 0 and all is as at
+start). In one tick the events below take place in the order in which they stand here, the strobe
+last.
 
-**Inputs (ODO-9).** Each of a, b passes two flip-flops, s[k] = x[k - 2], then the filter: f[3] = s[2],
-so that the level at start is no edge. From k = 3 on: where s[k] has now differed from f[k] in
-`filter_ticks` + 1 successive ticks (counted from tick 3), f[k + 1] = s[k], else f[k + 1] = f[k].
-A level held for at most `filter_ticks` is *rejected*: the glitch event is in the tick k in which
-s[k] = f[k] again while s[k - 1] ≠ f[k - 1] and f[k] = f[k - 1] (k ≥ 4); it is counted, of each
-channel by itself, and flagged GLITCH. An *edge* is in tick k ≥ 4 where
-f[k] ≠ f[k - 1]: `input_delay_ticks` = 3 + filter_ticks after the pin's change, for both edges of both
-channels alike.
+**Inputs (ODO-9).** Each of a, b passes two flip-flops, s[k] = x[k - 2], then the filter: f[3] =
+s[2], so that the level at start is no edge. From k = 3 on: where s[k] has now differed from f[k]
+in `filter_ticks` + 1 successive ticks (counted from tick 3), f[k + 1] = s[k], else f[k + 1] =
+f[k]. A level held for at most `filter_ticks` is *rejected*: the glitch event is in the tick k ≥ 4
+in which s[k] = f[k] again while s[k - 1] ≠ f[k - 1] and f[k] = f[k - 1]; it is counted, of each
+channel by itself, and flagged GLITCH. An *edge* is in tick k ≥ 4 where f[k] ≠ f[k - 1]:
+`input_delay_ticks` = 3 + filter_ticks after the pin's change, for both edges of both channels
+alike.
 
-**Saturation.** T = k - k_rise, ticks since the last rising edge of a (k_rise = 0 before the first).
-In the tick where T reaches `period_max` the flag SATURATED rises, and T stays there. In the tick where
-a seated window (below) has lasted for `period_max` ticks since its boundary, it is voided and flagged
-(SATURATED, WINDOW_VOID).
+**Saturation.** T = k - k_rise, ticks since the last rising edge of a (k_rise = 0 before the
+first). In the tick where T reaches `period_max` the flag SATURATED rises, and T stays there. In
+the tick where a seated window (below) has lasted for `period_max` ticks since its boundary, it is
+voided and flagged (SATURATED, WINDOW_VOID).
 
-**Steps (ODO-5, ODO-6).** Forward is (a, b) = 00 → 10 → 11 → 01 → 00: `position` + 1 a step; reverse is
-the way back: - 1. Both edges in one tick: ILLEGAL, counted, the position stays, the direction becomes
-NONE. A step against the last known direction is a reversal: counted, flagged REVERSAL. A reversal and
-an illegal transition void the window and make the period under way unclean.
+**Steps (ODO-5, ODO-6).** Forward is (a, b) = 00 → 10 → 11 → 01 → 00: `position` + 1 a step;
+reverse is the way back: - 1. Both edges in one tick: ILLEGAL, counted, the position stays, the
+direction becomes NONE. A step against the last known direction is a reversal: counted, flagged
+REVERSAL. A reversal and an illegal transition void the window and make the period under way
+unclean.
 
-**Rising edge of a (ODO-2, ODO-4, ODO-6).** `pulses` + 1 (saturating at its width, then SATURATED),
-`a_rising` + 1. If it is not the first since reset:
-- `period` = T, `phase` = ticks from the last rising edge of a to the first rising edge of b after it
-  (0 where there was none), `period_valid` = the period is clean: T < period_max and no reversal nor
-  illegal transition in a tick after the last rising edge, up to and with this one.
-- `phase_direction`: of a clean period FORWARD where T ≤ 8·phase ≤ 3·T, REVERSE where 5·T ≤ 8·phase
-  ≤ 7·T, else NONE; of an unclean one NONE.
+**Rising edge of a (ODO-2, ODO-4, ODO-6).** `pulses` + 1 (at its greatest value it stays:
+SATURATED), `a_rising` + 1. If it is not the first since reset:
+- `period` = T, `phase` = ticks from the last rising edge of a to the first rising edge of b in a
+  later tick, before this one (0 where there was none), `period_valid` = the period is clean: T <
+  period_max and no reversal nor illegal transition in a tick after the last rising edge, up to
+  and with this one.
+- `phase_direction`: of a clean period FORWARD where T ≤ 8·phase ≤ 3·T, REVERSE where 5·T ≤
+  8·phase ≤ 7·T, else NONE; of an unclean one NONE.
 - clean, T ≤ `watch_ticks`, phase_direction NONE: one more towards `phase_fault_periods`, at which
   PHASE_FAULT is flagged, now and at each further one; any other period starts that count afresh.
 - `armed` = T ≤ watch_ticks if it is clean; an unclean one leaves it.
 - T < `period_min_ticks`: OVERSPEED.
 
-**Window (ODO-10).** Unseated at start. A rising edge of a seats it (that edge is the boundary, the
-sums are 0); seated, it adds t = ticks since the boundary: `window_n` + 1, `window_ticks` = t, `sum_a` +=
-t, `sum_b` += sum_a. Where `window_n` is already `window_pulses`, it is voided instead (WINDOW_OVERFLOW,
-WINDOW_VOID) and the edge seats it anew. To void: unseated, `window_n`, `window_ticks` and both sums 0;
-the flag WINDOW_VOID only if it was seated. After a strobe a seated window with n ≥ 1 goes on from its
-last edge as the new boundary; `window_n`, `window_ticks` and the sums are 0.
+**Window (ODO-10).** Unseated at start. A rising edge of a seats it (that edge is the boundary,
+the sums are 0); seated, it adds t = ticks since the boundary: `window_n` + 1, `window_ticks` = t,
+`sum_a` += t, `sum_b` += sum_a. Where `window_n` is already `window_pulses`, it is voided instead
+(WINDOW_OVERFLOW, WINDOW_VOID) and the edge seats it anew. To void: unseated, `window_n`,
+`window_ticks` and both sums 0; the flag WINDOW_VOID only if it was seated. After a strobe a
+seated window with n ≥ 1 goes on from its last edge as the new boundary; `window_n`,
+`window_ticks` and the sums are 0.
 
 **Rising edge of b.** `b_rising` + 1.
 
-**Both channels (ODO-12).** A run counts the rising edges of one channel since one of the other: a rise
-of a alone adds to the run of a and ends the run of b, and the other way round; both in one tick end
-both runs. A rise of either channel more than `watch_ticks` after the last rise of either (or after tick
-0) first ends both runs and disarms (before this tick's own period may arm). A run of two or more while
-armed: MISMATCH. A run of `missing_pulses` or more of a: B_MISSING, of b: A_MISSING, at each such rise.
-The runs stop counting at missing_pulses. Of one tick, `armed` as it is after the period's update counts.
+**Both channels (ODO-12).** A run counts the rising edges of one channel since one of the other: a
+rise of a alone adds to the run of a and ends the run of b, and the other way round; both in one
+tick end both runs. A rise of either channel more than `watch_ticks` after the last rise of either
+(or after tick 0) first ends both runs and disarms (before this tick's own period may arm). A run
+of two or more while armed: MISMATCH. A run of `missing_pulses` or more of a: B_MISSING, of b:
+A_MISSING, at each such rise. The runs stop counting at missing_pulses. Of one tick, `armed` as it
+is after the period's update counts.
 
-**Stamps (ODO-13, only where `stamp_depth` > 0).** Every tick with an edge puts one entry into a FIFO:
-the low 32 bits of k, the levels f_a[k], f_b[k], and `lost`, whether entries were dropped since the last
-one put. A FIFO that holds `stamp_depth` entries (put in ticks < k, less those taken in ticks < k) drops
-it: STAMP_OVERFLOW. An entry put in tick k is offered from tick k + `stamp_latency_ticks` on, in order,
-one per tick: valid is 1 and payload is the oldest such entry, else valid and payload are 0. It is taken
-in each tick where valid and ready are 1.
+**Stamps (ODO-13, only where `stamp_depth` > 0).** Every tick with an edge puts one entry into a
+FIFO: the low 32 bits of k, the levels f_a[k], f_b[k], and `lost`, whether entries were dropped
+since the last one put. A FIFO that holds `stamp_depth` entries (put in ticks < k, less those
+taken in ticks < k) drops it: STAMP_OVERFLOW. An entry put in tick k is offered from tick k +
+`stamp_latency_ticks` on, in order, one per tick: valid is 1 and payload is the oldest such entry,
+else valid and payload are 0. It is taken in each tick where valid and ready are 1.
 
-**Strobe (ODO-6, ODO-7).** A strobe in tick s, with `busy[s]` = 0, is the gate of every sensor at once.
-It latches all fields as they stand after the other events of tick s, `time` = s and `number` + 1, then
-clears `pulses` and `flags` and moves the windows on. `busy` is 1 in ticks s + 1 …
-s + snapshot_latency_ticks - 1; in tick s + snapshot_latency_ticks all fields change together and stay
-until the next snapshot. A strobe while busy joins the gate under way: it changes nothing. Before the
-first snapshot all fields are 0.
+**Strobe (ODO-6, ODO-7).** A strobe in tick s, with `busy[s]` = 0, is the gate of every sensor at
+once. It latches all fields as they stand after the other events of tick s, `time` = s and
+`number` + 1, then clears `pulses` and `flags` and moves the windows on. `busy` is 1 in ticks s +
+1 … s + snapshot_latency_ticks - 1; in tick s + snapshot_latency_ticks all fields change together
+and stay until the next snapshot. A strobe while busy joins the gate under way: it changes
+nothing. Before the first snapshot all fields are 0.
 """
 
 from __future__ import annotations
@@ -76,7 +81,7 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
 
-__all__ = ["STATE", "Assumptions", "Config", "Direction", "Field", "Flag", "STAMP"]
+__all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag"]
 
 
 class Direction(IntEnum):

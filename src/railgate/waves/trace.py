@@ -24,7 +24,8 @@ def rescale(ticks: Ticks, ratio: Fraction) -> Ticks:
         if extreme * up // down >= limit or up * down >= limit:
             raise OverflowError(f"tick {extreme} times {ratio} leaves 64 bits")
     whole, rest = np.divmod(ticks, down)
-    return whole * up + -(-(rest * up) // down)
+    scaled: Ticks = whole * up - (-(rest * up) // down)
+    return scaled
 
 
 @dataclass(frozen=True)

@@ -97,12 +97,14 @@ class Waveform:
     def rising(self) -> Ticks:
         """The ticks at which the signal leaves zero. Shape (edges,)."""
         high = self.values != 0
-        return self.ticks[1:][high[1:] & ~high[:-1]]
+        edges: Ticks = self.ticks[1:][high[1:] & ~high[:-1]]
+        return edges
 
     def falling(self) -> Ticks:
         """The ticks at which the signal returns to zero. Shape (edges,)."""
         high = self.values != 0
-        return self.ticks[1:][~high[1:] & high[:-1]]
+        edges: Ticks = self.ticks[1:][~high[1:] & high[:-1]]
+        return edges
 
     def slice(self, start: int, end: int) -> Waveform:
         """The part in start ≤ tick < end, beginning with the value held at `start`."""
