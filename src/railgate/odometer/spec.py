@@ -9,13 +9,13 @@ start). In one tick the events below take place in the order in which they stand
 last.
 
 **Inputs (ODO-9).** Each of a, b passes two flip-flops, s[k] = x[k - 2], then the filter: f[3] =
-s[2], so that the level at start is no edge. From k = 3 on: where s[k] has now differed from f[k]
-in `filter_ticks` + 1 successive ticks (counted from tick 3), f[k + 1] = s[k], else f[k + 1] =
-f[k]. A level held for at most `filter_ticks` is *rejected*: the glitch event is in the tick k ≥ 4
-in which s[k] = f[k] again while s[k - 1] ≠ f[k - 1] and f[k] = f[k - 1]; it is counted, of each
-channel by itself, and flagged GLITCH. An *edge* is in tick k ≥ 4 where f[k] ≠ f[k - 1]:
-`input_delay_ticks` = 3 + filter_ticks after the pin's change, for both edges of both channels
-alike.
+s[2] (f is 0 before), so that the level at start is no edge. From k = 3 on: where s has now held
+the level other than f[k] for `filter_ticks` + 1 successive ticks (counted from tick 3), f[k + 1] =
+s[k], else f[k + 1] = f[k]. A level held for at most `filter_ticks` is *rejected*: the glitch event
+is in the tick k ≥ 4 in which s[k] = f[k] again while s[k - 1] ≠ f[k - 1] and f[k] = f[k - 1]; it
+is counted, of each channel by itself, and flagged GLITCH. An *edge* is in tick k ≥ 4 where f[k] ≠
+f[k - 1]: `input_delay_ticks` = 3 + filter_ticks after the pin's change, for both edges of both
+channels alike.
 
 **Saturation.** T = k - k_rise, ticks since the last rising edge of a (k_rise = 0 before the
 first). In the tick where T reaches `period_max` the flag SATURATED rises, and T stays there. In
@@ -24,16 +24,16 @@ voided and flagged (SATURATED, WINDOW_VOID).
 
 **Steps (ODO-5, ODO-6).** Forward is (a, b) = 00 → 10 → 11 → 01 → 00: `position` + 1 a step;
 reverse is the way back: - 1. Both edges in one tick: ILLEGAL, counted, the position stays, the
-direction becomes NONE. A step against the last known direction is a reversal: counted, flagged
-REVERSAL. A reversal and an illegal transition void the window and make the period under way
-unclean.
+direction becomes NONE. A step against the direction as it stands (NONE has no opposite) is a
+reversal: counted, flagged REVERSAL. A reversal and an illegal transition void the window and make
+the period under way unclean.
 
 **Rising edge of a (ODO-2, ODO-4, ODO-6).** `pulses` + 1 (at its greatest value it stays:
 SATURATED), `a_rising` + 1. If it is not the first since reset:
 - `period` = T, `phase` = ticks from the last rising edge of a to the first rising edge of b in a
-  later tick, before this one (0 where there was none), `period_valid` = the period is clean: T <
-  period_max and no reversal nor illegal transition in a tick after the last rising edge, up to
-  and with this one.
+  later tick, before this one (at most period_max; 0 where there was none), `period_valid` = the
+  period is clean: T < period_max and no reversal nor illegal transition in a tick after the last
+  rising edge, up to and with this one.
 - `phase_direction`: of a clean period FORWARD where T ≤ 8·phase ≤ 3·T, REVERSE where 5·T ≤
   8·phase ≤ 7·T, else NONE; of an unclean one NONE.
 - clean, T ≤ `watch_ticks`, phase_direction NONE: one more towards `phase_fault_periods`, at which
@@ -54,10 +54,10 @@ seated window with n ≥ 1 goes on from its last edge as the new boundary; `wind
 **Both channels (ODO-12).** A run counts the rising edges of one channel since one of the other: a
 rise of a alone adds to the run of a and ends the run of b, and the other way round; both in one
 tick end both runs. A rise of either channel more than `watch_ticks` after the last rise of either
-(or after tick 0) first ends both runs and disarms (before this tick's own period may arm). A run
-of two or more while armed: MISMATCH. A run of `missing_pulses` or more of a: B_MISSING, of b:
-A_MISSING, at each such rise. The runs stop counting at missing_pulses. Of one tick, `armed` as it
-is after the period's update counts.
+(or after tick 0) first ends both runs and disarms (before this tick's own period may arm). In
+each tick with a rise of either, a run of two or more while armed: MISMATCH; a run of
+`missing_pulses` or more of a: B_MISSING, of b: A_MISSING. The runs stop counting at
+missing_pulses. Of one tick, `armed` as it is after the period's update counts.
 
 **Stamps (ODO-13, only where `stamp_depth` > 0).** Every tick with an edge puts one entry into a
 FIFO: the low 32 bits of k, the levels f_a[k], f_b[k], and `lost`, whether entries were dropped
@@ -304,12 +304,14 @@ class Assumptions:
     crystal_ppm: the reference clock's tolerance. diameter_tolerance_m: of the wheel, metres.
     tooth_error: greatest deviation of a rising edge of a from its place, in pitches.
     acceleration_max: greatest acceleration and deceleration of the train, m/s².
+    jerk_max: greatest change of the acceleration within one window, m/s³; 0: it is constant.
     """
 
     crystal_ppm: float = 100.0
     diameter_tolerance_m: float = 0.0
     tooth_error: float = 0.0
     acceleration_max: float = 1.5
+    jerk_max: float = 0.0
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -317,6 +319,7 @@ class Assumptions:
             ("diameter_tolerance_m", 0, 0.1),
             ("tooth_error", 0, 0.25),
             ("acceleration_max", 0.01, 100),
+            ("jerk_max", 0, 100),
         ):
             value = getattr(self, name)
             if not low <= value <= high:

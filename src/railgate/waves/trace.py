@@ -14,15 +14,17 @@ __all__ = ["Difference", "Trace", "rescale"]
 
 
 def rescale(ticks: Ticks, ratio: Fraction) -> Ticks:
-    """ceil(ticks · ratio), exact for every int64 result; raises OverflowError beyond it."""
+    """ceil(ticks · ratio) of rising ticks, exact; raises OverflowError where one leaves 64 bits."""
     up, down = ratio.numerator, ratio.denominator
-    if up == down:
+    if up == down or not ticks.size:
         return ticks
-    limit = np.iinfo(np.int64).max
-    if ticks.size:
-        extreme = max(abs(int(ticks[0])), abs(int(ticks[-1])))
-        if extreme * up // down >= limit or up * down >= limit:
+    limits = np.iinfo(np.int64)
+    for extreme in (int(ticks[0]), int(ticks[-1])):
+        if not limits.min <= -(-extreme * up // down) <= limits.max:
             raise OverflowError(f"tick {extreme} times {ratio} leaves 64 bits")
+    if up * down > limits.max:  # the product below would not fit: integers of any size
+        exact: Ticks = (-(-ticks.astype(object) * up // down)).astype(np.int64)
+        return exact
     whole, rest = np.divmod(ticks, down)
     scaled: Ticks = whole * up - (-(rest * up) // down)
     return scaled
@@ -85,7 +87,8 @@ class Trace:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Trace):
             return NotImplemented
-        return self.first_difference(other) is None
+        mine, its = (self.period, self.start, self.end), (other.period, other.start, other.end)
+        return mine == its and dict(self.signals) == dict(other.signals)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -100,6 +103,10 @@ class Trace:
         """The same signals, those in `names` under their new name."""
         for old in names:
             self[old]
+        after = [names.get(name, name) for name in self.signals]
+        if len(set(after)) < len(after):
+            twice = next(name for name in after if after.count(name) > 1)
+            raise ValueError(f'signals must keep different names, not be two of "{twice}"')
         return self._with({names.get(name, name): wave for name, wave in self.signals.items()})
 
     def merge(self, other: Trace) -> Trace:
@@ -153,6 +160,13 @@ class Trace:
         if self.signals.keys() != other.signals.keys():
             odd = ", ".join(sorted(self.signals.keys() ^ other.signals.keys()))
             raise ValueError(f"both traces must carry the same signals; only one has: {odd}")
+        for name, wave in self.signals.items():
+            then = other[name]
+            if (wave.width, wave.signed) != (then.width, then.signed):
+                raise ValueError(
+                    f'"{name}" must keep its width of {wave.width} bits and its sign, '
+                    f"not become {then.width} bits wide"
+                )
         if self.end == self.start:
             return other
         if other.end == other.start:
@@ -184,11 +198,14 @@ class Trace:
                     None if its is None else int(its.values[0]),
                 )
         found = []
+        if self.end != other.end:
+            found.append(Difference("the end", min(self.end, other.end), self.end, other.end))
+        if self.start != other.start and not self.signals:
+            first = min(self.start, other.start)
+            found.append(Difference("the start", first, self.start, other.start))
         for name, wave in self.signals.items():
             tick = wave.first_difference(other[name])
             if tick is not None:
                 values = (w.at(tick) if tick >= w.ticks[0] else None for w in (wave, other[name]))
                 found.append(Difference(name, tick, *(v if v is None else int(v) for v in values)))
-        if not found and self.end != other.end:
-            return Difference("the end", min(self.end, other.end), self.end, other.end)
         return min(found, key=lambda difference: difference.tick, default=None)

@@ -24,12 +24,29 @@ def storage(width: int, signed: bool = False) -> np.dtype[Any]:
     return np.dtype(f"{'int' if signed else 'uint'}{size}")
 
 
+def _stored(values: ArrayLike, width: int, signed: bool) -> Values:
+    """The values in their storage type. Raises ValueError where one does not fit into `width`."""
+    kind = storage(width, signed)
+    found = np.asarray(values)
+    if found.dtype.kind not in "biu":  # numpy makes floats of lists that hold 2⁶³ and more
+        found = np.asarray(values, dtype=object)
+        if not all(isinstance(value, (int, np.integer)) for value in found.flat):
+            raise ValueError(f"a signal's values must be integers, not {np.asarray(values).dtype}")
+    if found.size and found.dtype != np.bool_:
+        low, high = (-(1 << width - 1), (1 << width - 1) - 1) if signed else (0, (1 << width) - 1)
+        for extreme in (int(found.min()), int(found.max())):
+            if not low <= extreme <= high:
+                raise ValueError(f"a value must be between {low} and {high}, not {extreme}")
+    return np.ascontiguousarray(found, dtype=kind)
+
+
 @dataclass(frozen=True, eq=False)
 class Waveform:
     """A signal that holds `values[i]` from tick `ticks[i]` until `ticks[i + 1]`.
 
     ticks: shape (n,), int64, strictly rising, n ≥ 1; ticks[0] is where the signal begins.
-    values: shape (n,), the smallest integer type of `width` bits, successive ones different.
+    values: shape (n,), the smallest integer type of `width` bits, successive ones different, each
+    one that `width` bits hold.
     Raises ValueError where any of this does not hold.
     """
 
@@ -40,7 +57,7 @@ class Waveform:
 
     def __post_init__(self) -> None:
         ticks = np.ascontiguousarray(self.ticks, dtype=np.int64)
-        values = np.ascontiguousarray(self.values, dtype=storage(self.width, self.signed))
+        values = _stored(self.values, self.width, self.signed)
         if ticks.ndim != 1 or ticks.shape != values.shape or not ticks.size:
             raise ValueError(
                 "a waveform needs as many values as ticks and at least one, "
@@ -63,7 +80,7 @@ class Waveform:
     ) -> Waveform:
         """From samples in order of time: of equal ticks the last counts, repeats are dropped."""
         at = np.asarray(ticks, dtype=np.int64)
-        what = np.asarray(values).astype(storage(width, signed), copy=False)
+        what = _stored(values, width, signed)
         if at.size > 1:
             last = np.append(at[1:] != at[:-1], True)
             if not last.all():
@@ -72,6 +89,13 @@ class Waveform:
             if not new.all():
                 at, what = at[new], what[new]
         return cls(at, what, width, signed)
+
+    @classmethod
+    def known(cls, ticks: Ticks, values: Values, width: int = 1, signed: bool = False) -> Waveform:
+        """Of arrays that hold all of this by construction, types too: nothing is checked."""
+        wave = cls.__new__(cls)
+        wave.__dict__.update(ticks=ticks, values=values, width=width, signed=signed)
+        return wave
 
     def __len__(self) -> int:
         return self.ticks.size

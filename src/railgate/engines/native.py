@@ -1,0 +1,169 @@
+"""A design as machine code: the C interface of loop.cc with numpy arrays in and out."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from collections.abc import Sequence
+from fractions import Fraction
+from math import lcm
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgate.engines.design import Clock, Design
+from railgate.engines.ports import Port, check
+from railgate.waves import Trace, Waveform
+from railgate.waves.waveform import Values, storage
+
+__all__ = ["Native"]
+
+_POINTER, _TICK = ctypes.c_void_p, ctypes.c_int64
+
+
+class _Wave(ctypes.Structure):
+    _fields_ = (("ticks", _POINTER), ("values", _POINTER), ("size", _TICK))
+
+
+class Native:
+    """Runs a design from a shared object. See railgate.engines.Engine for the protocol.
+
+    library: what was compiled from loop.cc. signals: the design's ports, inputs and outputs in
+    the order in which they were compiled. Raises OSError where the library cannot be loaded.
+    """
+
+    def __init__(self, design: Design, signals: Sequence[Port], library: Path) -> None:
+        self.design = design
+        self._inputs = tuple(port for port in signals if not port.output)
+        self._outputs = tuple(port for port in signals if port.output)
+        self._build = library.stem.encode()
+        self._now = 0
+        self._c = _interface(library)
+        self._handle = self._c.railgate_open(b"".join(map(_edges, design.clocks)))
+        weakref.finalize(self, self._c.railgate_close, self._handle)
+        lines = self._c.railgate_registers(self._handle).decode().splitlines()
+        split = [line.rsplit(" ", 1) for line in lines]
+        self._widths = {name.replace(" ", "."): int(width) for name, width in split}
+
+    @property
+    def now(self) -> int:
+        """The tick up to which it has run."""
+        return self._now
+
+    @property
+    def registers(self) -> tuple[str, ...]:
+        """The names that `poke` takes."""
+        return tuple(self._widths)
+
+    def advance(self, until: int, stimulus: Trace) -> Trace:
+        """Run the ticks now ≤ k < until; the result has every output over just these."""
+        start = self._now
+        check(stimulus, self.design, start, until, self._inputs)
+        held = [_part(stimulus.signals.get(port.name), start, until) for port in self._inputs]
+        waves = (_Wave * len(held))(
+            *(_Wave(ticks.ctypes.data, values.ctypes.data, ticks.size) for ticks, values in held)
+        )
+        counts = np.zeros(len(self._outputs), np.int64)
+        total = self._c.railgate_run(
+            self._handle, until, ctypes.addressof(waves), counts.ctypes.data
+        )
+        ticks, values = np.empty(total, np.int64), np.empty(total, np.uint64)
+        self._c.railgate_take(self._handle, ticks.ctypes.data, values.ctypes.data)
+        self._now = until
+        signals, at = {}, 0
+        for port, count in zip(self._outputs, counts.tolist(), strict=True):
+            part = slice(at, at := at + count)
+            narrow = _typed(values[part], port)
+            signals[port.name] = Waveform(ticks[part].copy(), narrow, port.width, port.signed)
+        return Trace(signals, self.design.period, start, until)
+
+    def poke(self, name: str, value: int) -> None:
+        """Force a register to hold `value` in tick `now`; it goes on from there.
+
+        Raises ValueError where there is no such register, or where it cannot hold the value.
+        """
+        width = self._widths.get(name)
+        if width is None:
+            raise ValueError(
+                f'no register "{name}" in {self.design.name}; there are: '
+                f"{', '.join(self._widths) or 'none'}"
+            )
+        if not -1 << width - 1 <= value < 1 << width:
+            raise ValueError(f'"{name}" must hold a value of {width} bits, not {value}')
+        index = list(self._widths).index(name)
+        self._c.railgate_poke(self._handle, index, value & (1 << width) - 1)
+
+    def checkpoint(self) -> bytes:
+        """All of the state, and the build that it belongs to."""
+        state = ctypes.create_string_buffer(self._c.railgate_size(self._handle))
+        self._c.railgate_save(self._handle, ctypes.addressof(state))
+        return self._build + state.raw
+
+    def restore(self, checkpoint: bytes) -> None:
+        """Go back (or forth) to a checkpoint; ValueError where it is of another build."""
+        build, state = checkpoint[: len(self._build)], checkpoint[len(self._build) :]
+        if build != self._build or len(state) != self._c.railgate_size(self._handle):
+            raise ValueError(
+                f"the checkpoint must be one of {self._build.decode()}, not of {build!r}"
+            )
+        self._c.railgate_load(self._handle, state)
+        self._now = int.from_bytes(state[:8], "little")
+
+
+def _interface(library: Path) -> ctypes.CDLL:
+    shared = ctypes.CDLL(str(library))
+    for name, result, *arguments in (
+        ("open", _POINTER, ctypes.c_char_p),
+        ("close", None, _POINTER),
+        ("run", _TICK, _POINTER, _TICK, _POINTER, _POINTER),
+        ("take", None, _POINTER, _POINTER, _POINTER),
+        ("size", _TICK, _POINTER),
+        ("save", None, _POINTER, _POINTER),
+        ("load", None, _POINTER, _POINTER),
+        ("registers", ctypes.c_char_p, _POINTER),
+        ("poke", None, _POINTER, ctypes.c_int64, ctypes.c_uint64),
+    ):
+        function = getattr(shared, f"railgate_{name}")
+        function.restype, function.argtypes = result, arguments
+    return shared
+
+
+def _edges(clock: Clock) -> bytes:
+    """The first edge and the step, as tick + rest / divisor femtoseconds, of 64 and 128 bits.
+
+    Raises ValueError where the divisor leaves 126 bits.
+    """
+    step = clock.period * 10**15
+    first = step * (1 + Fraction(clock.phase))
+    divisor = lcm(step.denominator, first.denominator)
+    if divisor >= 1 << 126 or max(step, first) >= 1 << 62:
+        raise ValueError(
+            f"the period of {clock.domain} must be a fraction of at most 126 bits, not {step} fs"
+        )
+    (tick, rest), (whole, part) = divmod(first * divisor, divisor), divmod(step * divisor, divisor)
+    narrow = (int(tick), int(whole))
+    wide = (int(rest), int(part), divisor)
+    return b"".join(n.to_bytes(8, "little") for n in narrow) + b"".join(
+        n.to_bytes(16, "little") for n in wide
+    )
+
+
+def _part(
+    wave: Waveform | None, start: int, until: int
+) -> tuple[NDArray[np.int64], NDArray[np.uint64]]:
+    """What the signal holds at `start` and its changes before `until`; nothing without one."""
+    if wave is None or until == start:
+        return np.empty(0, np.int64), np.empty(0, np.uint64)
+    part = wave.slice(start, until)
+    return part.ticks, part.values.astype(np.uint64)
+
+
+def _typed(bits: NDArray[np.uint64], port: Port) -> Values:
+    """The bits of a port as numbers of its type."""
+    if not port.signed:
+        return bits.astype(storage(port.width))
+    spare = np.uint64(64 - port.width)
+    return ((bits << spare).view(np.int64) >> spare.astype(np.int64)).astype(
+        storage(port.width, signed=True)
+    )

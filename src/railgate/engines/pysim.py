@@ -1,0 +1,225 @@
+"""The reference engine: Amaranth's own simulator, no compiler needed."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+from amaranth.hdl import ClockDomain, Module, Value
+from amaranth.sim import Simulator
+
+from railgate.engines.design import Clock, Design
+from railgate.engines.ports import Port, check, ports
+from railgate.waves import Trace, Waveform
+
+if TYPE_CHECKING:
+    from amaranth.lib import wiring
+
+__all__ = ["PySim"]
+
+Event = tuple[int, Any, int | None]
+"""A tick, the slot of a signal, and the value it takes; None: a clock's active edge."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Every signal and memory of a design, in order of creation, as in tick `now`."""
+
+    design: str
+    now: int
+    signals: tuple[int, ...]
+    memories: tuple[tuple[int, ...], ...]
+
+
+class PySim:
+    """Runs a design in Amaranth's simulator, by the protocol of railgate.engines.Engine.
+
+    Raises ValueError where the design has a domain without a clock.
+
+    The simulator's public interface can neither force a register nor save its state, so its slots
+    are used directly: one per signal with `curr` and `next`, one per memory with `data`. The clock
+    edges of one tick are updated together and settled once, so that they sample the same values.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+        self._now = 0
+        component = design.component()
+        self._ports = ports(component, design.clocks)
+        self._inputs = [port for port in self._ports if not port.output]
+        self._outputs = [port for port in self._ports if port.output]
+
+        domains = [ClockDomain(clock.domain) for clock in design.clocks]
+        top = Module()
+        top.domains += domains
+        top.submodules.design = component
+        simulator = Simulator(top)
+        unclocked = set(simulator._design.fragment.domains) - {domain.name for domain in domains}
+        if unclocked:
+            raise ValueError(
+                f"{design.name} needs a clock for each domain, "
+                f"not none for {', '.join(sorted(unclocked))}"
+            )
+        self._engine = simulator._engine
+        self._clocks = [self._slot(domain.clk) for domain in domains]
+        members = [_member(component, port) for port in self._ports[: -len(domains)]]
+        signals = (*members, *(domain.rst for domain in domains))
+        self._slots = {
+            port.name: self._slot(signal) for port, signal in zip(self._ports, signals, strict=True)
+        }
+        self._changed: list[Port] = []
+        for port in self._outputs:
+            self._slots[port.name].wakers.append(partial(self._note, port))
+        self._registers = {name: self._slot(signal) for name, signal in _registers(simulator)}
+        self._engine.step_design()
+
+        state = self._engine.state
+        self._signals = [self._slot(s) for s in sorted(state.signals, key=lambda s: s.duid)]
+        self._memories = [state.slots[index] for index in state.memories.values()]
+
+    def _slot(self, signal: Value) -> Any:
+        state = self._engine.state
+        return state.slots[state.get_signal(signal)]
+
+    def _note(self, port: Port, _current: int, _next: int) -> bool:
+        self._changed.append(port)
+        return True
+
+    @property
+    def now(self) -> int:
+        """The tick up to which it has run."""
+        return self._now
+
+    @property
+    def registers(self) -> tuple[str, ...]:
+        """The names that `poke` takes."""
+        return tuple(self._registers)
+
+    def advance(self, until: int, stimulus: Trace) -> Trace:
+        """Run the ticks now ≤ k < until; see Engine.advance."""
+        check(stimulus, self._design, self._now, until, self._inputs)
+        start = self._now
+        if until > start:
+            for name, wave in stimulus.signals.items():
+                self._slots[name].update(int(wave.at(start)))
+        self._engine.step_design()
+        record = {p.name: ([start], [self._slots[p.name].curr]) for p in self._outputs}
+        self._changed.clear()
+        for tick, events in groupby(self._events(until, stimulus), key=itemgetter(0)):
+            self._step(events)
+            if tick < until:
+                for port in self._changed:
+                    ticks, values = record[port.name]
+                    ticks.append(tick)
+                    values.append(self._slots[port.name].curr)
+            self._changed.clear()
+        self._now = until
+        waves = {p.name: Waveform.of(*record[p.name], p.width, p.signed) for p in self._outputs}
+        return Trace(waves, self._design.period, start, until)
+
+    def _events(self, until: int, stimulus: Trace) -> Iterator[Event]:
+        """What happens after `now`, by tick: edges up to and with `until`, inputs before it."""
+        sources = [
+            self._edges(clock, slot, until)
+            for clock, slot in zip(self._design.clocks, self._clocks, strict=True)
+        ]
+        sources += [
+            self._changes(self._slots[name], wave, until) for name, wave in stimulus.signals.items()
+        ]
+        return heapq.merge(*sources, key=itemgetter(0))
+
+    def _edges(self, clock: Clock, slot: Any, until: int) -> Iterator[Event]:
+        period = clock.period / self._design.period
+        first = max(0, math.floor(self._now / period - clock.phase))
+        at = (first + 1 + clock.phase) * period
+        unit = math.lcm(at.denominator, period.denominator)
+        time, step = int(at * unit), int(period * unit)
+        while (tick := -(-time // unit)) <= until:
+            yield tick, slot, None
+            time += step
+
+    def _changes(self, slot: Any, wave: Waveform, until: int) -> Iterator[Event]:
+        low, high = wave.ticks.searchsorted((self._now + 1, until))
+        for at in range(low, high):
+            yield int(wave.ticks[at]), slot, int(wave.values[at])
+
+    def _step(self, events: Iterator[Event]) -> None:
+        """The events of one tick: its clock edges, which sample the inputs before, then inputs."""
+        clocks, inputs = [], []
+        for _, slot, value in events:
+            if value is None:
+                slot.update(1)
+                clocks.append(slot)
+            else:
+                inputs.append((slot, value))
+        if clocks:
+            self._engine.step_design()
+        for slot in clocks:
+            slot.update(0)
+        for slot, value in inputs:
+            slot.update(value)
+        self._engine.step_design()
+
+    def poke(self, name: str, value: int) -> None:
+        """Force a register to hold `value` in tick `now`; see Engine.poke."""
+        slot = self._registers.get(name)
+        if slot is None:
+            raise ValueError(
+                f'no register "{name}" in {self._design.name}; '
+                f"there are: {', '.join(self._registers) or 'none'}"
+            )
+        shape = slot.signal.shape()
+        low = -(1 << shape.width - 1) if shape.signed else 0
+        high = low + (1 << shape.width) - 1
+        if not low <= value <= high:
+            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
+        slot.update(value)
+        self._engine.step_design()
+
+    def checkpoint(self) -> Checkpoint:
+        """All of the state; any PySim of the same design can go on from it."""
+        signals = tuple(slot.curr for slot in self._signals)
+        memories = tuple(tuple(slot.data) for slot in self._memories)
+        return Checkpoint(self._design.name, self._now, signals, memories)
+
+    def restore(self, checkpoint: Checkpoint) -> None:
+        """Go back (or forth) to the state and tick of a checkpoint.
+
+        Raises ValueError where it is one of another design.
+        """
+        sizes = len(checkpoint.signals), len(checkpoint.memories)
+        if (checkpoint.design, *sizes) != (
+            self._design.name,
+            len(self._signals),
+            len(self._memories),
+        ):
+            raise ValueError(
+                f"{self._design.name} cannot go on from a checkpoint of {checkpoint.design}"
+            )
+        for slot, value in zip(self._signals, checkpoint.signals, strict=True):
+            slot.curr = slot.next = value
+        for slot, data in zip(self._memories, checkpoint.memories, strict=True):
+            slot.data[:] = data
+        self._now = checkpoint.now
+
+
+def _member(component: wiring.Component, port: Port) -> Value:
+    member = component
+    for part in port.path:
+        member = member[part] if isinstance(part, int) else getattr(member, part)
+    return Value.cast(member)
+
+
+def _registers(simulator: Simulator) -> Iterator[tuple[str, Value]]:
+    """Every signal that a clock changes, by its path below the component."""
+    for fragment, info in simulator._design.fragments.items():
+        for domain, statements in fragment.statements.items():
+            if domain != "comb":
+                for signal in statements._lhs_signals():
+                    yield ".".join((*info.name[2:], info.signal_names[signal])), signal

@@ -1,0 +1,265 @@
+"""From pins to speed, direction and distance: a capture through an engine, read as a CPU would."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
+from typing import Any, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgate.engines import open_engine
+from railgate.engines.run import run
+from railgate.odometer.design import design
+from railgate.odometer.host import (
+    Estimate,
+    Snapshot,
+    Wheel,
+    direction,
+    distance_m,
+    phase_deg,
+    snapshots,
+    stamps,
+)
+from railgate.odometer.plant import Profile, Sensor
+from railgate.odometer.spec import Assumptions, Config, Flag
+from railgate.waves import Trace, Waveform
+
+__all__ = ["How", "Measurement", "Progress", "Window", "measure", "part", "simulate", "stimulus"]
+
+STAMP_DEPTH = 16
+"""Enough where the reader takes each stamp at once."""
+
+Progress = Callable[[float], None]
+
+
+class How(TypedDict, total=False):
+    """How to measure: a snapshot every `every_s`, the engine and estimator by name, what the
+    guaranteed interval rests on, and what is called with the part done, 0 … 1."""
+
+    every_s: Fraction
+    engine: str
+    estimator: str
+    assumptions: Assumptions
+    progress: Progress | None
+
+
+@dataclass(frozen=True)
+class Window:
+    """What one snapshot says.
+
+    t_s: the instant it speaks of, s of the capture. speed_*: magnitude and its guaranteed interval,
+    km/h; speed_kmh is None where the window holds no measurement, speed_high_kmh where nothing
+    bounds it. direction: forward, reverse or none, by the ×4 position. pulses: rising edges of a,
+    in whatever direction. period_ticks, phase_deg: of the last whole period, None before the first
+    and after a reversal in it. flags: what the gateware and the host raised, in lower case.
+    true_speed_kmh: in a simulation the true mean speed over the stretch that speed_kmh speaks of,
+    without one the true speed at t_s.
+    """
+
+    t_s: float
+    speed_kmh: float | None
+    speed_low_kmh: float
+    speed_high_kmh: float | None
+    direction: str
+    pulses: int
+    period_ticks: int | None
+    phase_deg: float | None
+    flags: tuple[str, ...]
+    true_speed_kmh: float | None = None
+
+    @property
+    def truth_outside(self) -> bool:
+        """The true speed is known and not in the guaranteed interval."""
+        true, high = self.true_speed_kmh, self.speed_high_kmh
+        return true is not None and not self.speed_low_kmh <= true <= (
+            math.inf if high is None else high
+        )
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A capture's windows and totals.
+
+    distances_m: the way at each window's end. gateware: what the pins held and what came out, in
+    ticks of the clock. The rest is told in docs/commands.md.
+    """
+
+    engine: str
+    clock_hz: int
+    duration_s: float
+    a_rising: int
+    b_rising: int
+    position_x4: int
+    direction_changes: int
+    illegal_transitions: int
+    rejected_glitches: int
+    distance_m: float
+    estimator: str
+    guarantee: str
+    rests_on: tuple[str, ...]
+    windows: tuple[Window, ...]
+    distances_m: tuple[float, ...]
+    gateware: Trace
+
+    def as_json(self) -> dict[str, Any]:
+        """All but the waves, as plain numbers, strings and lists."""
+        hidden = ("gateware", "distances_m")
+        totals = {name: value for name, value in vars(self).items() if name not in hidden}
+        return {**totals, "windows": [asdict(window) for window in self.windows]}
+
+    @property
+    def truth_outside(self) -> int | None:
+        """In how many windows the true speed leaves its interval; None where it is not known."""
+        known = [window for window in self.windows if window.true_speed_kmh is not None]
+        return sum(window.truth_outside for window in known) if known else None
+
+
+def part(pins: Trace, span_s: tuple[Fraction, Fraction]) -> Trace:
+    """The ticks that begin in a span of the capture's time. Raises ValueError."""
+    start, end = (math.ceil(t / pins.period) for t in span_s)
+    if not pins.start <= start < end <= pins.end:
+        first, last = float(pins.start * pins.period), float(pins.end * pins.period)
+        raise ValueError(
+            f"a window must lie inside the capture, {first:g} s..{last:g} s, "
+            f"not {float(span_s[0]):g} s..{float(span_s[1]):g} s"
+        )
+    return pins.slice(start, end)
+
+
+def stimulus(pins: Trace, config: Config, every_s: Fraction) -> Trace:
+    """The odometer's inputs: pins a, b from tick 0 on in its clock, and the strobe.
+
+    The j-th strobe ends the window of the pin changes before j · every_s, whatever the filter's
+    delay; the last one ends it with the pins' end. The levels are held until its snapshot is out.
+    """
+    period = Fraction(1, config.clock_hz)
+    pins = pins.shift(-pins.start).resample(period)
+    latency = config.snapshot_latency_ticks
+    if every_s < latency * period:
+        raise ValueError(
+            f"a window must last at least {latency} ticks, {float(latency * period):g} s, "
+            f"not {float(every_s):g} s"
+        )
+    whole = math.ceil(pins.end * period / every_s) - 1
+    ends = [math.ceil(j * every_s / period) for j in range(1, whole + 1)]
+    ends.append(max(pins.end, (ends[-1] if ends else 0) + latency))
+    strobes = np.array(ends) + config.input_delay_ticks - 1
+    end = int(strobes[-1]) + latency + 1
+    ticks = np.concatenate([[0], np.column_stack([strobes, strobes + 1]).ravel()])
+    strobe = Waveform.of(ticks, np.arange(ticks.size) & 1)
+    names = {"a": "sensor.0.a", "b": "sensor.0.b"}
+    inputs = dict(pins.rename(names).extend(end).signals) | {"strobe": strobe}
+    if config.stamp_depth:
+        inputs["sensor.0.stamps.ready"] = Waveform.of([0], [1])
+    return Trace(inputs, period, 0, end)
+
+
+def measure(pins: Trace, config: Config, **how: Unpack[How]) -> Measurement:
+    """Replay the pins (signals a, b) through an engine and read its snapshots as a CPU would.
+
+    config.sensors must be 1; its stamp_depth becomes what the estimator needs. Raises ValueError.
+    """
+    return _measure(pins, config, **how)[0]
+
+
+def simulate(profile: Profile, sensor: Sensor, config: Config, **how: Unpack[How]) -> Measurement:
+    """Drive the pins from a simulated train and measure, with the true speed in every window."""
+    measured, stretches = _measure(sensor.drive(profile, config), config, **how)
+    true = _mean_speed_kmh(profile, np.array(stretches) / config.clock_hz)
+    windows = tuple(
+        replace(window, true_speed_kmh=speed)
+        for window, speed in zip(measured.windows, true.tolist(), strict=True)
+    )
+    return replace(measured, windows=windows)
+
+
+def _measure(
+    pins: Trace,
+    config: Config,
+    every_s: Fraction = Fraction(1, 50),
+    engine: str = "leap",
+    estimator: str = "pi",
+    assumptions: Assumptions | None = None,
+    progress: Progress | None = None,
+) -> tuple[Measurement, list[tuple[int, int]]]:
+    """The measurement, and of each window the ticks between which lies what it speaks of."""
+    config = replace(config, stamp_depth=STAMP_DEPTH if estimator == "feasible" else 0)
+    wheel = Wheel(config, assumptions or Assumptions(), estimator)
+    inputs = stimulus(pins, config, every_s)
+    outputs = run(open_engine(design(config), engine), inputs, progress)
+    shots = snapshots(outputs, config)
+    edges = stamps(outputs, config) if config.stamp_depth else None
+    estimates = [wheel.update(shot, edges) for shot in shots]
+    said = next((e for e in estimates if e.value_kmh is not None), estimates[-1])
+    origin_s, last = pins.start * pins.period, shots[-1]
+    measured = Measurement(
+        engine=engine,
+        clock_hz=config.clock_hz,
+        duration_s=float(pins.duration_s),
+        a_rising=last.a_rising,
+        b_rising=last.b_rising,
+        position_x4=last.position,
+        direction_changes=last.direction_changes,
+        illegal_transitions=last.illegal_transitions,
+        rejected_glitches=last.rejected_glitches,
+        distance_m=distance_m(last.position, config),
+        estimator=estimator,
+        guarantee=said.of,
+        rests_on=said.rests_on,
+        windows=_windows(shots, estimates, config, origin_s),
+        distances_m=tuple(distance_m(shot.position, config) for shot in shots),
+        gateware=inputs.merge(outputs),
+    )
+    pairs = zip(shots, estimates, strict=True)
+    return measured, [_stretch(shot, e, estimator, config) for shot, e in pairs]
+
+
+def _windows(
+    shots: Sequence[Snapshot], estimates: Sequence[Estimate], config: Config, origin_s: Fraction
+) -> tuple[Window, ...]:
+    start = replace(shots[0], **dict.fromkeys(vars(shots[0]), 0))
+    windows = []
+    for older, shot, estimate in zip([start, *shots], shots, estimates, strict=False):
+        raised = [flag.name.lower() for flag in Flag if flag in shot.causes and flag.name]
+        windows.append(
+            Window(
+                t_s=float(origin_s + Fraction(_pin_tick(shot, config), config.clock_hz)),
+                speed_kmh=estimate.value_kmh,
+                speed_low_kmh=estimate.low_kmh,
+                speed_high_kmh=None if math.isinf(estimate.high_kmh) else estimate.high_kmh,
+                direction=direction(older, shot, config).name.lower(),
+                pulses=shot.pulses,
+                period_ticks=shot.period if shot.period_valid else None,
+                phase_deg=phase_deg(shot),
+                flags=(*raised, *estimate.flags),
+            )
+        )
+    return tuple(windows)
+
+
+def _pin_tick(shot: Snapshot, config: Config) -> int:
+    """The tick before which the pins' changes are in the snapshot."""
+    return shot.time + 1 - config.input_delay_ticks
+
+
+def _stretch(shot: Snapshot, estimate: Estimate, estimator: str, config: Config) -> tuple[int, int]:
+    """The ticks of the pins between which lies what a window's estimate speaks of."""
+    if estimate.value_kmh is None:
+        now = _pin_tick(shot, config)
+        return now, now
+    last = shot.time - shot.since_rise - config.input_delay_ticks
+    return last - (shot.period if estimator == "period" else shot.window_ticks), last
+
+
+def _mean_speed_kmh(profile: Profile, stretches_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The true mean speed over each stretch, of an instant the speed then: magnitudes."""
+    start, end = np.clip(stretches_s, 0, profile.duration_s).T
+    span = end - start
+    way = profile.position_m(end) - profile.position_m(start)
+    mean = 3.6 * way / np.where(span > 0, span, 1.0)
+    speed: NDArray[np.float64] = np.abs(np.where(span > 0, mean, profile.speed_kmh(end)))
+    return speed

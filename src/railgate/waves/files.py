@@ -1,0 +1,120 @@
+"""One way in for every file of signals, and the way out that leaves nothing half-written.
+
+A reader of one format has the same contract as `read` and may leave it by any exception that its
+library throws: `read` makes one ValueError of it. The formats are imported when they are needed,
+since their libraries take longer to load than a small capture takes to read.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from railgate.waves.limits import Limits
+from railgate.waves.trace import Trace
+
+__all__ = ["absent", "read", "replacing"]
+
+Reader = Callable[[Path, Sequence[str] | None, Limits], Trace]
+
+SUFFIXES = {
+    ".sr": "sigrok",
+    ".vcd": "vcd",
+    ".fst": "fst",
+    ".csv": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+}
+
+
+def read(
+    path: str | Path, channels: Sequence[str] | None = None, limits: Limits | None = None
+) -> Trace:
+    """The signals of a sigrok session, VCD, FST, CSV or Parquet file.
+
+    path: its content tells the format, its suffix where the content leaves it open.
+    channels: the names wanted, in that order; None: all that fit a Waveform.
+    Raises ValueError, in one line, for whatever is wrong with the file or the names.
+    """
+    path = Path(path)
+    limits = limits or Limits()
+    if channels is not None and len(set(channels)) < len(channels):
+        raise ValueError(f"each channel may be wanted once, not {', '.join(channels)}")
+    try:
+        if not path.is_file():
+            raise ValueError("no such file")
+        limits.check("file_bytes", path.stat().st_size, "the file's size in bytes")
+        return _reader(_format(path))(path, channels, limits)
+    except Exception as error:  # the formats' libraries throw errors of many kinds
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"{path}: {reason[:500]}") from error
+
+
+def _format(path: Path) -> str:
+    with path.open("rb") as file:
+        head = file.read(4096)
+    if head.startswith(b"PK"):
+        return "sigrok"
+    if head.startswith(b"PAR1"):
+        return "parquet"
+    if head[:1] == b"\0" and head[1:9] == (329).to_bytes(8, "big"):  # an FST header block
+        return "fst"
+    if head.lstrip().startswith(b"$"):
+        return "vcd"
+    if (suffix := path.suffix.lower()) in SUFFIXES:
+        return SUFFIXES[suffix]
+    raise ValueError(
+        f"the file must be a sigrok session (.sr), VCD, FST, CSV or Parquet file, "
+        f'not "{path.suffix}" of unknown content'
+    )
+
+
+def _reader(name: str) -> Reader:
+    if name == "sigrok":
+        from railgate.waves.sigrok import read_sigrok as reader
+    elif name == "csv":
+        from railgate.waves.csv import read_csv as reader
+    elif name == "parquet":
+        from railgate.waves.parquet import read_parquet as reader
+    else:
+        from railgate.waves.wellen import read_wellen as reader
+    return reader
+
+
+def absent(name: str, there: Sequence[str]) -> ValueError:
+    """The error for a channel that a file lacks; it lists those there are (at most 40)."""
+    listed = ", ".join(there[:40]) or "none"
+    more = f" and {len(there) - 40} more" if len(there) > 40 else ""
+    return ValueError(f'no channel "{name}"; there are: {listed}{more}')
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A new file beside `path` that takes its place when the block ends, and goes when it fails.
+
+    Raises ValueError where the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        os.close(handle)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from error
+    unfinished = Path(name)
+    try:
+        yield unfinished
+        unfinished.chmod(0o666 & ~_umask())
+        unfinished.replace(path)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
