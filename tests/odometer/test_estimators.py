@@ -233,6 +233,13 @@ def test_the_interval_at_the_strobe_is_no_wider_than_the_window_and_a_max_make_i
     assert 0 < interval.high_kmh - 200 < 1.001 * most
 
 
+def test_a_wheel_that_changes_its_speed_faster_is_infeasible_at_the_strobe() -> None:
+    slowing = replace(reading([k * 3000.0 for k in range(101)], 310_000), period=20_000)
+    interval = present(slowing, TICK_ONLY)
+    assert interval.flags == ("infeasible",)
+    assert interval.low_kmh < 30 < 195 < interval.high_kmh
+
+
 def test_a_tolerance_as_great_as_the_wheel_is_refused() -> None:
     small = Config(wheel_diameter_m=Fraction(1, 20), pulses_per_rev=10)
     with pytest.raises(ValueError, match=r"diameter_tolerance_m must be below the diameter, 0\.05"):

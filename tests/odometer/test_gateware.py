@@ -231,6 +231,18 @@ def test_forward_and_reverse_are_told_by_phase_and_steps():
     assert (ahead["phase"], back["phase"]) == (10, 30)
 
 
+def test_the_phase_ends_at_the_first_later_rise_of_b_in_the_period():
+    a = [20, 40, 100]
+    for b, phase in (
+        ([30, 50, 60, 70], 10),  # of two, the first
+        ([20, 30, 60, 70], 40),  # with the opening edge: a later one
+        ([15, 25], 0),  # before it: none
+        ([10, 25, 100], 0),  # with the closing edge: none
+    ):
+        one = snapshot(config(), 200, strobe=(150,), a=a, b=b)
+        assert (one["period"], one["phase"]) == (80, phase)
+
+
 def test_a_reversal_yields_no_phantom_period_and_voids_the_window():
     # Forward over three rises of a, then back over the last and, much later, forward again.
     a = [20, 40, 60, 80, 100, 130, 400]
@@ -270,6 +282,18 @@ def test_windows_share_their_boundary_edge():
     rises = [tick for tick in a[0::2] if tick <= 400]
     assert sum(one["window_n"] for one in seen) == len(rises) - 1
     assert sum(one["window_ticks"] for one in seen) == rises[-1] - rises[0]
+
+
+def test_an_edge_beside_the_strobe_belongs_to_one_window_only():
+    a, b = forward(20, 40, 8)
+    for strobe in range(177, 184):  # around the rise in tick 180
+        before = [tick - 20 for tick in range(60, 181, 40) if tick <= strobe]
+        last = max(20 + tick for tick in before)
+        after = [tick - last for tick in range(180, 301, 40) if tick > last]
+        seen = snapshots(run(config(), 340, strobe=(strobe, 310), a=a, b=b))
+        for one, times in zip(seen, (before, after), strict=True):
+            assert (one["window_n"], one["window_ticks"]) == (len(times), times[-1])
+            assert (one["sum_a"], one["sum_b"]) == (sum(times), sum(accumulate(times)))
 
 
 def test_a_window_without_an_edge_keeps_its_boundary():
@@ -353,9 +377,9 @@ def test_one_lost_pulse_at_speed_is_a_mismatch():
 def test_rocking_at_standstill_is_no_mismatch():
     small = config(missing_pulses=5)
     slow = small.watch_ticks + 1
-    rocking = [20 + slow * i for i in range(8)]
+    rocking = [20 + slow * i + fall for i in range(7) for fall in (0, 5)]
     one = snapshot(small, rocking[-1] + 60, strobe=(rocking[-1] + 20,), a=rocking)
-    assert one["a_rising"] == 4
+    assert one["a_rising"] == 7
     assert not one["flags"] & (Flag.MISMATCH | Flag.B_MISSING)
 
 

@@ -15,6 +15,7 @@ from railgate.odometer.plant import Profile, Sensor, constant, shuttle
 from railgate.odometer.readout import (
     Counts,
     Snapshot,
+    Stamps,
     between,
     direction,
     distance_m,
@@ -130,6 +131,20 @@ def test_stamps_taken_by_fits_and_starts_are_the_same(pause: int) -> None:
     expected = edges(pins, SMALL)
     assert len(expected) - SMALL.stamp_depth <= taken.ticks.size <= len(expected)
     assert taken.ticks.tolist() == expected[: taken.ticks.size]
+
+
+def test_a_stamp_only_offered_is_not_taken() -> None:
+    never = Waveform.of([0], [0])
+    _, outputs = played(constant(60, 0.1), SMALL, never)
+    assert outputs["sensor.0.stamps.valid"].at(outputs.end - 1) == 1
+    assert not stamps(outputs, SMALL, ready=never).ticks.size
+
+
+def test_an_edge_after_a_loss_is_not_known_to_be_a_rise_of_a() -> None:
+    low, high = np.zeros(4, bool), np.array([False, True, False, True])
+    ticks = np.array([10, 20, 30, 40])
+    assert Stamps(ticks, high, low, low).rises.tolist() == [20, 40]
+    assert Stamps(ticks, high, low, ticks == 20).rises.tolist() == [40]
 
 
 def test_stamps_unwrap_beyond_32_bits() -> None:

@@ -71,12 +71,17 @@ def test_a_replacement_takes_the_place_when_it_is_whole(tmp_path):
     assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
 
 
+def interrupted(path):
+    with replacing(path) as unfinished:
+        unfinished.write_text("half")
+        raise KeyboardInterrupt
+
+
 def test_a_failed_replacement_leaves_the_old_file_and_nothing_else(tmp_path):
     path = tmp_path / "a"
     path.write_text("old")
-    with pytest.raises(KeyboardInterrupt), replacing(path) as unfinished:
-        unfinished.write_text("half")
-        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        interrupted(path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 

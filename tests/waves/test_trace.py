@@ -191,6 +191,7 @@ def test_misuse_is_refused_in_one_line():
         ),
         (lambda: Trace({}, Fraction(0), 0, 5), "must be above 0 s, not 0"),
         (lambda: Trace({}, US, 5, 4), "must not end before its start"),
+        (lambda: Trace({}, US, 0, 1 << 63), "must fit 64 bits, not 0..9223372036854775808"),
         (lambda: Trace({"a": a}, US, 1, 4), "begin at the trace's start, tick 1, not 0"),
         (lambda: Trace({"b": b}, US, 0, 3), "end before the trace's end, tick 3, not 3"),
     ]:

@@ -55,17 +55,7 @@ class PySim:
         self._inputs = [port for port in self._ports if not port.output]
         self._outputs = [port for port in self._ports if port.output]
 
-        domains = [ClockDomain(clock.domain) for clock in design.clocks]
-        top = Module()
-        top.domains += domains
-        top.submodules.design = component
-        simulator = Simulator(top)
-        unclocked = set(simulator._design.fragment.domains) - {domain.name for domain in domains}
-        if unclocked:
-            raise ValueError(
-                f"{design.name} needs a clock for each domain, "
-                f"not none for {', '.join(sorted(unclocked))}"
-            )
+        simulator, domains = _simulator(design, component)
         self._engine = simulator._engine
         self._clocks = [self._slot(domain.clk) for domain in domains]
         members = [_member(component, port) for port in self._ports[: -len(domains)]]
@@ -207,6 +197,21 @@ class PySim:
         for slot, data in zip(self._memories, checkpoint.memories, strict=True):
             slot.data[:] = data
         self._now = checkpoint.now
+
+
+def _simulator(design: Design, component: wiring.Component) -> tuple[Simulator, list[ClockDomain]]:
+    """The simulator of `component` one level below its top, and the domains of the clocks."""
+    domains = [ClockDomain(clock.domain) for clock in design.clocks]
+    top = Module()
+    top.domains += domains
+    top.submodules.design = component
+    simulator = Simulator(top)
+    if unclocked := set(simulator._design.fragment.domains) - {domain.name for domain in domains}:
+        raise ValueError(
+            f"{design.name} needs a clock for each domain, "
+            f"not none for {', '.join(sorted(unclocked))}"
+        )
+    return simulator, domains
 
 
 def _member(component: wiring.Component, port: Port) -> Value:

@@ -218,7 +218,9 @@ def present(snapshot: Snapshot, scale: Scale) -> Estimate:
     The speed was the mean one somewhere between the two edges of a period or window, and has since
     changed by at most a_max times the time since the first of them. Whatever the edges say, the
     time since the last of them bounds it from above. low_kmh is 0 and high_kmh inf where neither
-    says anything: before the first edges, and right after one that ends nothing.
+    says anything: before the first edges, and right after one that ends nothing. Where the bounds
+    contradict one another the wheel changed its speed faster: flagged `infeasible`, and the
+    interval spans what lies between them.
     """
     low, high = 0.0, _trailing_kmh(snapshot, scale)
     spans = [(1, snapshot.period)] if snapshot.period_valid else []
@@ -231,5 +233,7 @@ def present(snapshot: Snapshot, scale: Scale) -> Estimate:
         change = 3.6 * scale.assumptions.acceleration_max * ago * scale.tick_max_s * (1 + OUTWARD)
         mean = mean_speed(n, ticks, scale)
         low, high = max(low, mean.low_kmh - change), min(high, mean.high_kmh + change)
-    of = "wheel speed at the strobe"
-    return Estimate(None, low, high, None, of, scale.premises(scale.premise_acceleration))
+    flags = ("infeasible",) if low > high else ()
+    low, high = min(low, high), max(low, high)
+    of, rests_on = "wheel speed at the strobe", scale.premises(scale.premise_acceleration)
+    return Estimate(None, low, high, None, of, rests_on, flags)

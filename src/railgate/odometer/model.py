@@ -6,7 +6,6 @@ Its cost goes with edges, strobes and ready changes, not with ticks.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railgate.odometer.inputs import NO_TICKS, Input, stretches
 from railgate.odometer.kernel import SNAPSHOT, edges, limits, new_sensor, run
 from railgate.odometer.snapshots import Columns, busy, gates
 from railgate.odometer.spec import STATE, Config, Flag
@@ -24,31 +24,6 @@ from railgate.waves.waveform import Ticks
 __all__ = ["Model"]
 
 Changes = tuple[Ticks, NDArray[Any]]
-NO_TICKS: Ticks = np.empty(0, np.int64)
-NO_TICKS.flags.writeable = False
-
-
-@dataclass(frozen=True)
-class Input:
-    """One input over a span: its level at the start, and the ticks after it at which it changes."""
-
-    level: int
-    changes: Ticks
-
-    @classmethod
-    def of(cls, wave: Waveform, start: int, end: int) -> Input:
-        first, last = wave.ticks.searchsorted([start + 1, end]).tolist()
-        changes = wave.ticks[first : max(first, last)]
-        changes.flags.writeable = False  # numba compiles anew for each kind of array it is given
-        return cls(int(wave.values[first - 1]), changes)
-
-    @property
-    def last(self) -> int:
-        return self.level ^ (self.changes.size & 1)
-
-    def part(self, start: int, end: int) -> Input:
-        first, last = self.changes.searchsorted([start + 1, end]).tolist()
-        return Input(self.level ^ (first & 1), self.changes[first : max(first, last)])
 
 
 @dataclass
@@ -108,6 +83,8 @@ class Model:
     `sensor.<i>.<field>`, with stamps `sensor.<i>.stamps.valid` and `.payload` (spec.STAMP as one
     number, its first field least significant). A poke comes before the events of tick `now`.
     """
+
+    _state: State
 
     def __init__(self, config: Config) -> None:
         self._config = config
@@ -286,18 +263,6 @@ class Model:
                     at, np.maximum(what, 0), PAYLOAD_BITS
                 )
         return waves
-
-
-def stretches(rst: Input, start: int, until: int) -> Iterator[tuple[int, int | None]]:
-    """The end of each stretch without reset, and the tick 0 that follows it, None for the last."""
-    edges = [start] if rst.level else []
-    edges += rst.changes.tolist()
-    now = start
-    for high, low in zip(edges[::2], [*edges[1::2], until], strict=False):
-        yield high + 1, low
-        now = low
-    if now < until or start == until:
-        yield until, None
 
 
 def flag_overflow(record: Any, rows: Any, opened: Ticks, dropped: Ticks) -> None:

@@ -49,8 +49,8 @@ class Axle:
     def update(self, snapshot: Snapshot) -> Estimate:
         """The train's speed at the strobe as this axle tells it: an interval, never a value.
 
-        flags: `slide_or_lost`, `spin`; `wheel_standstill`, no edge for standstill_s. Snapshots may
-        be left out between two updates.
+        flags: `slide_or_lost`, `spin`; `infeasible`, see `present`; `wheel_standstill`, no edge for
+        standstill_s. Snapshots may be left out between two updates.
         """
         now = present(snapshot, self.scale)
         ceiling = now.high_kmh
@@ -70,11 +70,13 @@ class Axle:
         change = rate_kmh * self.scale.tick_max_s
         floor, ceiling = max(then.low_kmh - change, 0.0), ceiling + change
         slid = "slide_or_lost" in then.flags
+        held = max(now.high_kmh, then.high_kmh - rate_kmh * self.scale.tick_min_s)
         if now.high_kmh < floor or (slid and not counts.pulses):
-            held = max(now.high_kmh, then.high_kmh - rate_kmh * self.scale.tick_min_s)
             return self._off(now, "slide_or_lost", floor, held), held
         if slid:
             return now, now.high_kmh
+        if "infeasible" in now.flags:
+            return replace(now, low_kmh=floor, high_kmh=held), ceiling
         if now.low_kmh > ceiling:
             return self._off(now, "spin", floor, now.high_kmh), ceiling
         if "spin" in then.flags:

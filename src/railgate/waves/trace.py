@@ -61,6 +61,8 @@ class Trace:
             raise ValueError(f"a tick's period must be above 0 s, not {self.period}")
         if self.end < self.start:
             raise ValueError(f"a trace must not end before its start, {self.end} < {self.start}")
+        if self.start < -(1 << 63) or self.end >= 1 << 63:
+            raise ValueError(f"a trace's ticks must fit 64 bits, not {self.start}..{self.end}")
         for name, wave in self.signals.items():
             if wave.ticks[0] != self.start:
                 raise ValueError(

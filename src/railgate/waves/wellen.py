@@ -46,7 +46,7 @@ def read_wellen(path: Path, channels: Sequence[str] | None, limits: Limits) -> T
     Scopes and name are joined by dots; the bare name will do where only one signal has it.
     None of `channels` takes every signal of 1 to 64 bits. The trace begins at the first tick at
     which every signal taken has a value of zeros and ones; any x or z after that is an error. It
-    ends at the last time stamp, or one tick after the last change where that is later.
+    ends one tick after the file's last time stamp; where `write_vcd` wrote the file, at it.
     """
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "trace"
@@ -89,6 +89,8 @@ def _child() -> None:
         pass
     try:
         write_parquet(order["result"], decode(Path(order["path"]), order["channels"], limits))
+    except MemoryError:
+        sys.exit(3)
     except BaseException as error:  # a panic of pywellen is no Exception
         print("\n" + (" ".join(str(error).split()) or type(error).__name__), file=sys.stderr)
         sys.exit(2)
@@ -121,7 +123,8 @@ def decode(path: Path, channels: Sequence[str] | None, limits: Limits) -> Trace:
         signals[name] = _waveform(variable, _ticks(times, period / unit), bits)
     stamps = _ticks(np.array([frame.first, frame.last]), period / unit)
     start = max(int(stamps[0]), *(int(wave.ticks[0]) for wave in signals.values()))
-    end = max(int(stamps[1]), *(int(wave.ticks[-1]) + 1 for wave in signals.values()))
+    closed = int(stamps[1]) + (frame.period is None)
+    end = max(closed, *(int(wave.ticks[-1]) + 1 for wave in signals.values()))
     return Trace({n: wave.slice(start, end) for n, wave in signals.items()}, period, start, end)
 
 

@@ -1,0 +1,149 @@
+"""The command line: what it prints, what it writes, and how it fails."""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import pyarrow.parquet
+import pytest
+
+from railgate.cli import main
+from railgate.odometer.spec import Flag
+from railgate.waves import read
+
+HERE = Path(__file__).parent
+DATA = HERE / "data" / "sigrok"
+FAST = str(DATA / "avago_adns_2051_move_mouse_fast.sr")
+DOCS = (HERE.parent / "docs" / "commands.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def railgate(monkeypatch, capsys):
+    """Run the command line: (exit code, standard output, standard error)."""
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["railgate", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run
+
+
+def test_measure_prints_a_table_and_a_summary(railgate) -> None:
+    code, out, _ = railgate("measure", FAST, "--a", "XA", "--b", "XB")
+    assert code == 0
+    for word in ("km/h", "direction", "rising edges", "quarter pitches", "resting on"):
+        assert word in out
+
+
+def test_json_is_one_object_as_documented(railgate) -> None:
+    code, out, _ = railgate("measure", FAST, "--a", "XA", "--b", "XB", "--json")
+    result = json.loads(out)
+    assert code == 0
+    documented = set(re.findall(r"`(\w+)`", " ".join(re.findall(r"^\| (`.*?) \|", DOCS, re.M))))
+    flags = {flag.name.lower() for flag in Flag if flag.name}
+    assert flags <= documented, "every flag has its line in docs/commands.md"
+    assert result.keys() | result["windows"][0].keys() <= documented
+    assert {
+        "engine clock_hz duration_s a_rising b_rising position_x4 direction_changes "
+        "illegal_transitions rejected_glitches distance_m windows"
+    } <= {" ".join(k for k in result if k not in ("estimator", "guarantee", "rests_on"))}
+    raised = {flag for window in result["windows"] for flag in window["flags"]}
+    assert raised <= documented
+
+
+def test_leap_and_cxxrtl_print_the_same_object(railgate) -> None:
+    results = []
+    for engine in ("leap", "cxxrtl"):
+        arguments = ("--window", "1s..1.2s", "--engine", engine, "--json")
+        _, out, _ = railgate("measure", FAST, "--a", "YA", "--b", "YB", *arguments)
+        results.append({**json.loads(out), "engine": ""})
+    assert results[0] == results[1]
+
+
+def test_out_writes_tables_waves_and_a_picture(railgate, tmp_path) -> None:
+    folder = tmp_path / "new" / "out"
+    code, out, _ = railgate("measure", FAST, "--a", "XA", "--b", "XB", "--out", str(folder))
+    assert code == 0
+    names = {"windows.parquet", "windows.csv", "gateware.vcd", "gateware.gtkw", "speed.png"}
+    assert {path.name for path in folder.iterdir()} == names
+    assert all(str(folder / name) in out for name in names)
+    rows = pyarrow.parquet.read_table(folder / "windows.parquet")
+    assert rows.num_rows == 250
+    assert len((folder / "windows.csv").read_text(encoding="utf-8").splitlines()) == 251
+    waves = read(folder / "gateware.vcd", ["sensor.0.a", "sensor.0.a_rising"])
+    assert waves["sensor.0.a"].rising().size == waves["sensor.0.a_rising"].values[-1] == 143
+    assert (folder / "speed.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_shows_the_truth(railgate) -> None:
+    code, out, _ = railgate(
+        "simulate", "odometer", "--profile", "constant", "--seconds", "1", "--speed", "80", "--json"
+    )
+    assert code == 0
+    windows = json.loads(out)["windows"]
+    assert all(w["true_speed_kmh"] == pytest.approx(80) for w in windows)
+    assert all(w["speed_low_kmh"] <= 80 <= w["speed_high_kmh"] for w in windows[1:])
+
+
+def test_simulate_takes_a_profile_from_a_file(railgate, tmp_path) -> None:
+    profile = tmp_path / "profile.csv"
+    profile.write_text("time_s,speed_kmh\n0,0\n20,72\n")
+    code, out, _ = railgate("simulate", "odometer", "--profile", str(profile), "--json")
+    assert code == 0
+    assert json.loads(out)["distance_m"] == pytest.approx(200, abs=0.01)
+
+
+def test_doctor_finds_every_engine_running(railgate) -> None:
+    code, out, _ = railgate("doctor")
+    assert code == 0
+    for engine in ("leap", "cxxrtl", "pysim"):
+        assert re.search(rf"engine {engine}\W+runs", out)
+
+
+def test_every_command_has_help_and_a_page(railgate) -> None:
+    for command in (("measure",), ("simulate", "odometer"), ("doctor",)):
+        code, out, _ = railgate(*command, "--help")
+        assert code == 0
+        assert "Usage" in out
+        assert f"## railgate {' '.join(command)}" in DOCS
+
+
+MEASURE = ("measure", FAST, "--a", "XA", "--b", "XB")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("fly",), "No such command 'fly'"),
+        (("measure",), "Missing argument"),
+        (("measure", "none.sr", "--a", "XA", "--b", "XB"), "none.sr: no such file"),
+        (("measure", FAST, "--a", "XA", "--b", "ZB"), 'no channel "ZB"; there are: SCLK, XA, XB'),
+        ((*MEASURE, "--clock", "16MB"), "a number with Hz, kHz, MHz, GHz is needed, not '16MB'"),
+        ((*MEASURE, "--clock", "0.5Hz"), "whole number of Hz"),
+        ((*MEASURE, "--every", "0s"), "at least 16 ticks"),
+        ((*MEASURE, "--every", "-1s"), "at least 16 ticks"),
+        ((*MEASURE, "--window", "4..9"), "inside the capture, 0 s..5 s, not 4 s..9 s"),
+        ((*MEASURE, "--filter", "70000"), "filter_ticks must be between 0 and 65535, not 70000"),
+        ((*MEASURE, "--filter", "1400"), "at most 1335, not 1400"),
+        ((*MEASURE, "--filter", "few"), "--filter"),
+        ((*MEASURE, "--wheel-diameter", "0mm"), "wheel_diameter_m must be between"),
+        ((*MEASURE, "--engine", "steam"), "leap, cxxrtl, pysim"),
+        ((*MEASURE, "--estimator", "guess"), "period, pi, omega, feasible"),
+        ((*MEASURE, "--crystal-ppm", "-1"), "crystal_ppm must be between 0 and 10000, not -1"),
+        ((*MEASURE, "--out", "/dev/null/x"), "cannot be written"),
+        (("simulate", "odometer", "--profile", "fall"), "constant, ramp, run, shuttle or a file"),
+        (("simulate", "odometer", "--seconds", "0"), "seconds must be above 0"),
+        (("simulate", "odometer", "--duty", "2"), "duty must be between"),
+    ],
+)
+def test_a_bad_call_is_one_clear_line_and_exit_code_2(railgate, arguments, says) -> None:
+    code, out, err = railgate(*arguments)
+    assert code == 2
+    assert out == ""
+    assert says in err
+    assert err.startswith("railgate: ")
+    assert err.count("\n") == 1
