@@ -11,11 +11,11 @@ from unittest.mock import patch
 
 import numpy as np
 
+from bench.verilator import Verilated
 from railgate.engines import Design, Engine, open_engine
 from railgate.odometer.design import design
 from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform
-from verilator import Verilated
 
 __all__ = ["run"]
 

@@ -64,7 +64,7 @@ def simulate_odometer(
     profile: Annotated[
         str, typer.Option(help=f"{', '.join(plant.PROFILES)}, or a CSV of time_s,speed_kmh.")
     ] = "run",
-    seconds: Annotated[float, typer.Option(help="Length of a built-in profile, s.")] = 20.0,
+    seconds: Annotated[float, typer.Option(help="Length of a built-in profile, s.")] = 160.0,
     speed: Annotated[float, typer.Option(help="Speed of a built-in profile, km/h.")] = 200.0,
     duty: Annotated[float, typer.Option(help="High part of a pitch.")] = 0.5,
     phase: Annotated[float, typer.Option(help="How far B lags A forward, degrees.")] = 90.0,

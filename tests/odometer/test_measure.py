@@ -53,10 +53,10 @@ def test_counts_are_those_of_the_raw_channels() -> None:
     assert measured.b_rising == pins["b"].rising().size
 
 
-@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("estimator", ["pi", "feasible"])
 def test_every_engine_gives_the_same_result_to_the_bit(estimator: str) -> None:
-    pins = part(mouse(), (Fraction(360, 1000), Fraction(363, 1000)))
-    how = {"every_s": Fraction(1, 1000), "estimator": estimator}
+    pins = part(mouse(), (Fraction(3600, 10_000), Fraction(3612, 10_000)))
+    how = {"every_s": Fraction(1, 5000), "estimator": estimator}
     leap, cxxrtl, pysim = (
         measure(pins, CONFIG, engine=engine, **how) for engine in ("leap", "cxxrtl", "pysim")
     )
@@ -122,6 +122,7 @@ def test_a_lost_sensor_neither_stops_the_train_nor_keeps_its_speed() -> None:
     highs = [w.speed_high_kmh for w in after]
     falls = np.diff(highs) / 0.02 / 3.6
     assert np.allclose(falls, -1.5, rtol=1e-3)
+    assert all("wheel_standstill" in w.flags for w in after if w.t_s > 3.1)
     assert all(w.speed_low_kmh <= w.speed_high_kmh for w in windows)
 
 

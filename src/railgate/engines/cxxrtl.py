@@ -43,7 +43,8 @@ class Cxxrtl(Native):
             source.write_text("\n".join((generated, lists, harness, loop)))
             compile_shared([source], [cxxrtl_include()], made)
 
-        sources = "\n".join((netlist_text, names, clocks, harness, loop))
+        this = Path(__file__).read_text()  # script and macros are made here
+        sources = "\n".join((netlist_text, names, clocks, harness, loop, this))
         super().__init__(design, signals, cached(design.name, sources, build))
 
 

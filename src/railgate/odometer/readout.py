@@ -107,7 +107,8 @@ def _taken(trace: Trace, name: str, ready: Waveform | None) -> tuple[Ticks, Valu
     constant valid and payload, and was taken if `ready` is 1 in the last tick of that stretch.
     """
     valid, payload = trace[f"{name}.valid"], trace[f"{name}.payload"]
-    begin = np.union1d(valid.ticks, payload.ticks)
+    begin = np.sort(np.concatenate([valid.ticks, payload.ticks]), kind="stable")
+    begin = begin[np.append(True, begin[1:] != begin[:-1])]
     last = np.append(begin[1:], trace.end) - 1
     taken = valid.at(begin) != 0
     if ready is not None:

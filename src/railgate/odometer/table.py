@@ -21,7 +21,7 @@ def show(measurement: Measurement) -> RenderableType:
 
 
 def _windows(windows: tuple[Window, ...], step: int) -> Table:
-    caption = f"every {step}th window is shown; --out and --json have all" if step > 1 else None
+    caption = f"one window in {step} is shown; --out and --json have all" if step > 1 else None
     table = Table(caption=caption, caption_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     truth = any(window.true_speed_kmh is not None for window in windows)
     for name in ("t/s", "km/h", "at least", "at most", *(["truly"] if truth else [])):

@@ -70,13 +70,16 @@ class Axle:
         change = rate_kmh * self.scale.tick_max_s
         floor, ceiling = max(then.low_kmh - change, 0.0), ceiling + change
         slid = "slide_or_lost" in then.flags
-        held = max(now.high_kmh, then.high_kmh - rate_kmh * self.scale.tick_min_s)
-        if now.high_kmh < floor or (slid and not counts.pulses):
+        braked = then.high_kmh - rate_kmh * self.scale.tick_min_s
+        infeasible = "infeasible" in now.flags
+        slowest = now.low_kmh if infeasible else now.high_kmh  # the lesser of what contradicts
+        if slowest < floor or (slid and not counts.pulses):
+            held = max(slowest, braked, floor)
             return self._off(now, "slide_or_lost", floor, held), held
         if slid:
             return now, now.high_kmh
-        if "infeasible" in now.flags:
-            return replace(now, low_kmh=floor, high_kmh=held), ceiling
+        if infeasible:
+            return replace(now, low_kmh=floor, high_kmh=max(now.high_kmh, braked)), ceiling
         if now.low_kmh > ceiling:
             return self._off(now, "spin", floor, now.high_kmh), ceiling
         if "spin" in then.flags:
