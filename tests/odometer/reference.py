@@ -285,3 +285,8 @@ def reference(
         for name in names
     }
     return Trace(waves, Fraction(1, config.clock_hz), 0, stimulus.end)
+
+
+def assert_same(left: Trace, right: Trace, *case: object) -> None:
+    difference = left.first_difference(right)
+    assert difference is None, (str(difference), *case)

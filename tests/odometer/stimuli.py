@@ -5,11 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 from hypothesis import strategies as st
 
+from railgate.engines import Engine
 from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform
+
+SMALL: dict[str, Any] = {
+    "clock_hz": 20_000,
+    "sensors": 1,
+    "overspeed_kmh": Fraction(50),
+    "count_bits": 8,
+    "time_bits": 16,
+    "period_bits": 9,
+}
+"""A configuration whose periods last from 14 to 246 ticks."""
 
 
 @dataclass
@@ -82,6 +94,16 @@ def configs(draw: st.DrawFn, stamp_depths: tuple[int, ...] = (0, 1, 3, 16)) -> C
     )
 
 
+def pieces(model: Engine, stimulus: Trace, cuts: Iterable[int]) -> Trace:
+    """The outputs from now on, run in pieces that end at `cuts`."""
+    ends = [*sorted(cut for cut in cuts if model.now <= cut <= stimulus.end), stimulus.end]
+    parts = [model.advance(end, stimulus) for end in ends]
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole.concatenate(part)
+    return whole
+
+
 GAPS = st.one_of(st.integers(1, 8), st.integers(1, 30), st.integers(20, 80))
 REGULAR = st.tuples(st.booleans(), st.tuples(GAPS, GAPS, GAPS, GAPS), st.integers(1, 30))
 EVEN = st.builds(lambda way, gap, n: (way, (gap,) * 4, n), st.booleans(), GAPS, st.integers(1, 50))
@@ -118,7 +140,7 @@ def stimuli(
     draw: st.DrawFn, of: st.SearchStrategy[Config] | None = None, end: int = 2500
 ) -> tuple[Config, Trace]:
     """A configuration and a stimulus for it, of at most `end` ticks from tick 0 on."""
-    config = draw(of or configs())
+    config = draw(configs() if of is None else of)
     signals = {"strobe": pulses(draw(STROBES)), "rst": pulses(draw(RESETS))}
     last = 60
     for i in range(config.sensors):
