@@ -13,9 +13,9 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from railgate.odometer import estimators
-from railgate.odometer.estimators import Scale
-from railgate.odometer.feasible import speed_bounds
+from railgate.odometer.host import estimators
+from railgate.odometer.host.estimators import Scale
+from railgate.odometer.host.feasible import speed_bounds
 from railgate.odometer.spec import Assumptions, Config
 
 __all__ = ["run"]

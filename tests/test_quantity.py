@@ -38,5 +38,5 @@ def test_units_scale_exactly(parse, text, value) -> None:
     ],
 )
 def test_what_is_no_quantity_is_refused(parse, text) -> None:
-    with pytest.raises(ValueError, match="needed|must end"):
+    with pytest.raises(ValueError, match=r"needed|must end"):
         parse(text)

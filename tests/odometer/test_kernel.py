@@ -53,16 +53,8 @@ def disturb(at: int, kind: str, forward: bool, gap: int) -> Pins:
 
 
 KINDS = (
-    "none",
-    "double",
-    "glitch of a",
-    "glitch of b",
-    "swap",
-    "reverse",
-    "pause",
-    "hurry",
-    "late",
-    "brief",
+    *("none", "double", "glitch of a", "glitch of b", "swap"),
+    *("reverse", "pause", "hurry", "late", "brief"),
 )
 
 

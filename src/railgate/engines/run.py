@@ -15,9 +15,7 @@ __all__ = ["run"]
 PARTS = 100
 
 
-def run(
-    engine: Engine, stimulus: Trace, progress: Callable[[float], None] | None = None
-) -> Trace:
+def run(engine: Engine, stimulus: Trace, progress: Callable[[float], None] | None = None) -> Trace:
     """Advance from now to the stimulus' end; `progress` is told the part done after each step."""
     if progress is None:
         return engine.advance(stimulus.end, stimulus)

@@ -29,7 +29,7 @@ class FilteredInput(wiring.Component):
             {"pin": In(1), "level": Out(1), "rise": Out(1), "fall": Out(1), "glitch": Out(1)}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         synchronised = Signal()
         m.submodules.synchroniser = FFSynchronizer(

@@ -36,7 +36,7 @@ class Gate(wiring.Component):
             | {field.name: Out(shape(field)) for field in config.common_fields}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         latency = self._config.snapshot_latency_ticks
         remaining = Signal(range(latency))
@@ -77,7 +77,7 @@ class Odometer(wiring.Component):
             | {"sensor": Out(sensor).array(config.sensors)}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         m.submodules.gate = gate = Gate(self._config)
         m.d.comb += [

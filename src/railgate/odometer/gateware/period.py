@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -43,7 +43,7 @@ class Period(wiring.Component):
             }
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
 
@@ -85,7 +85,7 @@ class Period(wiring.Component):
         return m
 
 
-def _direction(m, period, lag, clean):  # type: ignore[no-untyped-def]
+def _direction(m: Module, period: Value, lag: Value, clean: Value) -> Value:
     """FORWARD within 90° ± 45°, REVERSE within 270° ± 45°, both inclusive, without multiplying."""
     eighths = lag << 3
     direction = Signal(2)

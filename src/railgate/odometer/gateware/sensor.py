@@ -41,7 +41,7 @@ class Sensor(wiring.Component):
             members["stamps"] = Out(stream.Signature(STAMP_LAYOUT))
         super().__init__(members)
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
         events = dict.fromkeys(Flag, 0)

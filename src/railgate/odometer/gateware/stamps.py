@@ -39,7 +39,7 @@ class Stamps(wiring.Component):
             }
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         depth = self._config.stamp_depth
 

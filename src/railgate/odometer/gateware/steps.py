@@ -26,7 +26,7 @@ class Elapsed(wiring.Component):
             {"restart": In(1), "now": Out(width), "ticks": Out(width), "reaches": Out(1)}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         started = Signal()  # tick 0 itself is no tick after it
         full = self.ticks == self._limit
@@ -56,7 +56,7 @@ class Steps(wiring.Component):
             | {"direction": Out(2)}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         step = self.a_edge ^ self.b_edge
         leads = self.a ^ self.b ^ self.b_edge  # a moves away from b, or b follows a

@@ -28,7 +28,7 @@ class Watch(wiring.Component):
             | {name: Out(1) for name in ("mismatch", "a_missing", "b_missing")}
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
 

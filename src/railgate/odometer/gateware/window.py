@@ -42,7 +42,7 @@ class Window(wiring.Component):
             }
         )
 
-    def elaborate(self, _platform):  # type: ignore[no-untyped-def]
+    def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
 

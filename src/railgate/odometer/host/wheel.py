@@ -1,64 +1,24 @@
-"""The odometer's host side: registers to speed, direction and distance, in engineering units."""
+"""One wheel's speed, window by window, by the estimator of one's choice."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from railgate.odometer.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
-from railgate.odometer.estimators import (
+from railgate.odometer.host.estimators import (
     Estimate,
     Scale,
     least_squares,
-    mean_speed,
     one_period,
     present,
     reciprocal,
 )
-from railgate.odometer.feasible import feasible
-from railgate.odometer.readout import (
-    Counts,
-    Snapshot,
-    Stamps,
-    between,
-    direction,
-    distance_m,
-    phase_deg,
-    snapshots,
-    stamps,
-    window_edges,
-)
+from railgate.odometer.host.feasible import feasible
+from railgate.odometer.host.readout import Snapshot, Stamps, window_edges
+from railgate.odometer.host.tracking import Axle
 from railgate.odometer.spec import Assumptions, Config
-from railgate.odometer.tracking import Axle, Train, TrainSpeed
 
-__all__ = [
-    "ESTIMATORS",
-    "Axle",
-    "Counts",
-    "Estimate",
-    "Scale",
-    "Snapshot",
-    "Stamps",
-    "Train",
-    "TrainSpeed",
-    "Wheel",
-    "between",
-    "direction",
-    "distance_m",
-    "feasible",
-    "interval_bounds_s",
-    "least_squares",
-    "mean_speed",
-    "one_period",
-    "period_bounds_kmh",
-    "phase_bounds_deg",
-    "phase_deg",
-    "present",
-    "reciprocal",
-    "snapshots",
-    "stamps",
-    "window_edges",
-]
+__all__ = ["ESTIMATORS", "Wheel"]
 
 Estimator = Callable[[Snapshot, Stamps | None, Scale], Estimate]
 

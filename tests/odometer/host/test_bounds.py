@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railgate.odometer.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
+from railgate.odometer.host.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
 from railgate.odometer.spec import Config
 
 CONFIG = Config()

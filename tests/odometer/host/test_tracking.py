@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from railgate.odometer.host.readout import Snapshot, snapshots
+from railgate.odometer.host.tracking import Axle, Train, TrainSpeed
 from railgate.odometer.model import Model
 from railgate.odometer.plant import Profile, Sensor, run
-from railgate.odometer.readout import Snapshot, snapshots
 from railgate.odometer.spec import Assumptions, Config
-from railgate.odometer.tracking import Axle, Train, TrainSpeed
 from railgate.waves import Trace, Waveform
 
 CONFIG = Config()

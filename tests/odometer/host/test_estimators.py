@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from railgate.odometer.estimators import (
+from railgate.odometer.host.estimators import (
     Scale,
     least_squares,
     one_period,
@@ -18,7 +18,7 @@ from railgate.odometer.estimators import (
     reciprocal,
     weighted_paces,
 )
-from railgate.odometer.readout import Snapshot
+from railgate.odometer.host.readout import Snapshot
 from railgate.odometer.spec import Assumptions, Config
 
 CONFIG = Config()

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from railgate.odometer.readout import Snapshot
+from railgate.odometer.host.readout import Snapshot
 from railgate.odometer.spec import Assumptions, Config
 
 __all__ = [

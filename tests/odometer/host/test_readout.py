@@ -10,9 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgate.odometer.model import Model
-from railgate.odometer.plant import Profile, Sensor, constant, shuttle
-from railgate.odometer.readout import (
+from railgate.odometer.host.readout import (
     Counts,
     Snapshot,
     Stamps,
@@ -24,6 +22,8 @@ from railgate.odometer.readout import (
     stamps,
     window_edges,
 )
+from railgate.odometer.model import Model
+from railgate.odometer.plant import Profile, Sensor, constant, shuttle
 from railgate.odometer.spec import Config, Direction
 from railgate.waves import Trace, Waveform
 

@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from railgate.odometer.estimators import Estimate, Scale, present
-from railgate.odometer.readout import Snapshot, between
+from railgate.odometer.host.estimators import Estimate, Scale, present
+from railgate.odometer.host.readout import Snapshot, between
 from railgate.odometer.spec import Assumptions, Config
 
 __all__ = ["Axle", "Train", "TrainSpeed"]

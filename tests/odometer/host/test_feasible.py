@@ -3,17 +3,19 @@
 import itertools
 import math
 from fractions import Fraction
+from importlib import import_module
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from railgate.odometer import feasible as module
-from railgate.odometer.estimators import Scale, mean_speed
-from railgate.odometer.feasible import feasible, speed_bounds
+from railgate.odometer.host.estimators import Scale, mean_speed
+from railgate.odometer.host.feasible import feasible, speed_bounds
 from railgate.odometer.spec import Assumptions, Config
 from railgate.waves.waveform import Ticks
+
+module = import_module("railgate.odometer.host.feasible")  # the package has a function of that name
 
 CONFIG = Config()
 TICK_ONLY = Scale(CONFIG, Assumptions(crystal_ppm=0))

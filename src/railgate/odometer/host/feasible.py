@@ -35,11 +35,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numba
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from railgate.odometer.estimators import Estimate, Scale, mean_speed
+from railgate.odometer.host.estimators import Estimate, Scale, mean_speed
 from railgate.waves.waveform import Ticks
 
 __all__ = ["feasible", "speed_bounds"]
@@ -52,6 +52,7 @@ ROUNDINGS = 32 * 2.0**-53
 Floats = NDArray[np.float64]
 
 
+@njit(cache=True)
 def _half_spaces(stamps: Ticks, tooth: float, acceleration: float, jerk: float) -> Any:
     """z and b of the half-spaces: first n + 1 from below, then n + 1 from above, and Γ."""
     n = stamps.size - 1
@@ -72,6 +73,7 @@ def _half_spaces(stamps: Ticks, tooth: float, acceleration: float, jerk: float) 
     return z, b, acceleration / 2 * h * h * per_pitch
 
 
+@njit(cache=True, inline="always")
 def _row(at: int, z: Floats, edges: int) -> Any:
     """The vector g of half-space `at`; the two last bound γ."""
     if at >= 2 * edges:
@@ -80,6 +82,7 @@ def _row(at: int, z: Floats, edges: int) -> Any:
     return sign, sign * z[at], sign * z[at] * z[at]
 
 
+@njit(cache=True)
 def _most_violated(a: float, b: float, c: float, z: Floats, limit: Floats) -> Any:
     """The half-space that (a, b, c) violates most, and by how much."""
     edges = limit.size // 2 - 1
@@ -98,6 +101,7 @@ def _most_violated(a: float, b: float, c: float, z: Floats, limit: Floats) -> An
     return worst, most
 
 
+@njit(cache=True)
 def _greatest(z: Floats, limit: Floats, first: int, last: int, beta_most: float) -> Any:
     """An upper bound of β over the half-spaces and whether they leave anything.
 
@@ -149,7 +153,8 @@ def _greatest(z: Floats, limit: Floats, first: int, last: int, beta_most: float)
     return best, False
 
 
-def _speed_bounds(stamps: Ticks, tooth: float, acceleration: float, jerk: float) -> Any:
+@njit(cache=True)
+def speed_bounds(stamps: Ticks, tooth: float, acceleration: float, jerk: float) -> Any:
     """The nominal speed at the window's middle, pitches per tick: (low, high, empty).
 
     stamps: int64, rising, shape (n + 1,), n ≥ 1. acceleration, jerk: as in Scale.
@@ -165,13 +170,6 @@ def _speed_bounds(stamps: Ticks, tooth: float, acceleration: float, jerk: float)
     low, nothing = _greatest(-z, limit, edges, edges - 1, most)
     mean, h = (edges - 1) / D, (D + 1) / 2
     return mean * (1 - low / h), mean * (1 + high / h), none or nothing or low + high < 0
-
-
-_half_spaces = numba.njit(cache=True)(_half_spaces)
-_row = numba.njit(cache=True, inline="always")(_row)
-_most_violated = numba.njit(cache=True)(_most_violated)
-_greatest = numba.njit(cache=True)(_greatest)
-speed_bounds = numba.njit(cache=True)(_speed_bounds)
 
 
 def feasible(edges: Ticks, scale: Scale) -> Estimate:

@@ -1,0 +1,56 @@
+"""The odometer's host side: registers to speed, direction and distance, in engineering units."""
+
+from railgate.odometer.host.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
+from railgate.odometer.host.estimators import (
+    Estimate,
+    Scale,
+    least_squares,
+    mean_speed,
+    one_period,
+    present,
+    reciprocal,
+)
+from railgate.odometer.host.feasible import feasible
+from railgate.odometer.host.readout import (
+    Counts,
+    Snapshot,
+    Stamps,
+    between,
+    direction,
+    distance_m,
+    phase_deg,
+    snapshots,
+    stamps,
+    window_edges,
+)
+from railgate.odometer.host.tracking import Axle, Train, TrainSpeed
+from railgate.odometer.host.wheel import ESTIMATORS, Wheel
+
+__all__ = [
+    "ESTIMATORS",
+    "Axle",
+    "Counts",
+    "Estimate",
+    "Scale",
+    "Snapshot",
+    "Stamps",
+    "Train",
+    "TrainSpeed",
+    "Wheel",
+    "between",
+    "direction",
+    "distance_m",
+    "feasible",
+    "interval_bounds_s",
+    "least_squares",
+    "mean_speed",
+    "one_period",
+    "period_bounds_kmh",
+    "phase_bounds_deg",
+    "phase_deg",
+    "present",
+    "reciprocal",
+    "snapshots",
+    "stamps",
+    "window_edges",
+]
