@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from railgate.engines.design import Engine
-from railgate.waves import Trace, Waveform
+from railgate.waves import Trace
 
 __all__ = ["run"]
 
@@ -25,19 +25,4 @@ def run(engine: Engine, stimulus: Trace, progress: Callable[[float], None] | Non
         if until > start:
             pieces.append(engine.advance(until, stimulus.slice(start, until)))
         progress((until - bounds[0]) / max(1, bounds[-1] - bounds[0]))
-    return joined(pieces)
-
-
-def joined(pieces: list[Trace]) -> Trace:
-    """Traces that follow one another, as one."""
-    first, last = pieces[0], pieces[-1]
-    signals = {
-        name: Waveform.of(
-            np.concatenate([piece[name].ticks for piece in pieces]),
-            np.concatenate([piece[name].values for piece in pieces]),
-            wave.width,
-            wave.signed,
-        )
-        for name, wave in first.signals.items()
-    }
-    return Trace(signals, first.period, first.start, last.end)
+    return pieces[0].concatenate(*pieces[1:])

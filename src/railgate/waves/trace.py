@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 
@@ -152,8 +153,28 @@ class Trace:
             signals[name] = Waveform.of(ticks[seen], wave.values[seen], wave.width, wave.signed)
         return Trace(signals, period, start, end)
 
-    def concatenate(self, other: Trace) -> Trace:
-        """This trace, then `other`, which must begin where this one ends and carry its signals."""
+    def concatenate(self, *others: Trace) -> Trace:
+        """This trace and those that follow it, each beginning where the one before it ends.
+
+        All carry the same signals, with the same widths. Raises ValueError.
+        """
+        for before, after in pairwise((self, *others)):
+            before._check_followed_by(after)
+        pieces = [piece for piece in (self, *others) if piece.end > piece.start] or [self]
+        if len(pieces) == 1:
+            return pieces[0]
+        signals = {
+            name: Waveform.of(
+                np.concatenate([piece.signals[name].ticks for piece in pieces]),
+                np.concatenate([piece.signals[name].values for piece in pieces]),
+                wave.width,
+                wave.signed,
+            )
+            for name, wave in self.signals.items()
+        }
+        return Trace(signals, self.period, self.start, pieces[-1].end)
+
+    def _check_followed_by(self, other: Trace) -> None:
         if (self.period, self.end) != (other.period, other.start):
             raise ValueError(
                 f"the next trace must begin at tick {self.end} of {self.period} s, "
@@ -163,26 +184,12 @@ class Trace:
             odd = ", ".join(sorted(self.signals.keys() ^ other.signals.keys()))
             raise ValueError(f"both traces must carry the same signals; only one has: {odd}")
         for name, wave in self.signals.items():
-            then = other[name]
+            then = other.signals[name]
             if (wave.width, wave.signed) != (then.width, then.signed):
                 raise ValueError(
                     f'"{name}" must keep its width of {wave.width} bits and its sign, '
                     f"not become {then.width} bits wide"
                 )
-        if self.end == self.start:
-            return other
-        if other.end == other.start:
-            return self
-        signals = {}
-        for name, wave in self.signals.items():
-            then = other[name]
-            signals[name] = Waveform.of(
-                np.concatenate([wave.ticks, then.ticks]),
-                np.concatenate([wave.values, then.values]),
-                wave.width,
-                wave.signed,
-            )
-        return Trace(signals, self.period, self.start, other.end)
 
     def first_difference(self, other: Trace) -> Difference | None:
         """The earliest difference of the two (a missing signal or end counts), or None."""
