@@ -115,7 +115,7 @@ class Sensor:
             self.faults = 0
         if clean:
             self.armed = self.config.watch_ticks >= T
-        if self.config.period_min_ticks > T:
+        if clean and self.config.period_min_ticks > T:
             self.flags |= Flag.OVERSPEED
 
     def rise_of_a(self, k: int) -> None:

@@ -427,6 +427,12 @@ def test_overspeed_is_a_period_below_the_shortest():
         assert bool(one["flags"] & Flag.OVERSPEED) == (small.period_min_ticks > T)
 
 
+def test_rocking_over_an_edge_of_a_is_no_overspeed():
+    rocking = snapshot(config(), 200, strobe=(100,), a=[20, 25, 28, 33, 36, 41], b=[])
+    assert rocking["a_rising"] == 3
+    assert not rocking["flags"] & Flag.OVERSPEED
+
+
 def stamps(result):
     """(tick offered, ticks, a, b, lost) of each stamp taken where ready is always 1."""
     valid, payload = result["sensor.0.stamps.valid"], result["sensor.0.stamps.payload"]

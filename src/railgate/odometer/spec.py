@@ -39,7 +39,7 @@ SATURATED), `a_rising` + 1. If it is not the first since reset:
 - clean, T ≤ `watch_ticks`, phase_direction NONE: one more towards `phase_fault_periods`, at which
   PHASE_FAULT is flagged, now and at each further one; any other period starts that count afresh.
 - `armed` = T ≤ watch_ticks if it is clean; an unclean one leaves it.
-- T < `period_min_ticks`: OVERSPEED.
+- clean, T < `period_min_ticks`: OVERSPEED.
 
 **Window (ODO-10).** Unseated at start. A rising edge of a seats it (that edge is the boundary,
 the sums are 0); seated, it adds t = ticks since the boundary: `window_n` + 1, `window_ticks` = t,

@@ -64,7 +64,7 @@ class Period(wiring.Component):
         m.d.comb += [
             self.judged.eq(closes & clean),
             self.watched.eq(self.elapsed <= config.watch_ticks),
-            self.overspeed.eq(closes & (self.elapsed < config.period_min_ticks)),
+            self.overspeed.eq(self.judged & (self.elapsed < config.period_min_ticks)),
         ]
         with m.If(closes):
             m.d.sync += [

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.odometer.inputs import NO_TICKS, Input, stretches
-from railgate.odometer.kernel import SNAPSHOT, edges, limits, new_sensor, run
-from railgate.odometer.snapshots import Columns, busy, gates
+from railgate.odometer.model.inputs import NO_TICKS, Input, stretches
+from railgate.odometer.model.kernel import SNAPSHOT, edges, limits, new_sensor, run
+from railgate.odometer.model.snapshots import Columns, busy, gates
+from railgate.odometer.model.stamping import PAYLOAD_BITS, Fifo
 from railgate.odometer.spec import STATE, Config, Flag
-from railgate.odometer.stamping import PAYLOAD_BITS, Fifo
 from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Ticks
 

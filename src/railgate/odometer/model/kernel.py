@@ -145,7 +145,7 @@ def close_period(state: Any, limit: Any, tick: int) -> None:
         state.faults = 0
     if clean:
         state.armed = int(watched)
-    state.flags |= OVERSPEED if limit.period_min_ticks > T else 0
+    state.flags |= OVERSPEED if clean and limit.period_min_ticks > T else 0
 
 
 @njit(cache=True, nogil=True)
