@@ -216,7 +216,7 @@ def test_every_flag_is_reached_by_the_random_stimuli() -> None:
     """So that equality above is not of things that never happen."""
     seen = Flag(0)
 
-    @settings(max_examples=300, deadline=None, derandomize=True, database=None)
+    @settings(max_examples=1000, deadline=None, derandomize=True, database=None)
     @given(stimuli())
     def gather(case: tuple[Config, Trace]) -> None:
         nonlocal seen
