@@ -117,6 +117,11 @@ class Measurement:
         known = [window for window in self.windows if window.true_speed_kmh is not None]
         return sum(window.truth_outside for window in known) if known else None
 
+    @property
+    def truth_outside_flagged(self) -> int:
+        """In how many of these windows a flag says that something is wrong."""
+        return sum(window.truth_outside and bool(window.flags) for window in self.windows)
+
 
 def part(pins: Trace, span_s: tuple[Fraction, Fraction]) -> Trace:
     """The ticks that begin in a span of the capture's time. Raises ValueError."""

@@ -66,7 +66,8 @@ def _summary(m: Measurement) -> Table:
         ("resting on", "; ".join(m.rests_on)),
     ]
     if (outside := m.truth_outside) is not None:
-        rows.append(("truth", f"outside the guaranteed interval in {outside} windows"))
+        told = "" if not outside else f", {m.truth_outside_flagged} of them flagged"
+        rows.append(("truth", f"outside the guaranteed interval in {outside} windows{told}"))
     for name, text in rows:
         grid.add_row(Text(name, style="bold"), text)
     return grid

@@ -97,7 +97,10 @@ class Scale:
     def premises(self, *further: str) -> tuple[str, ...]:
         """What an interval rests on, in words."""
         assumed = self.assumptions
-        words = ["edges stamped less than 1 tick late", "no reversal between the edges"]
+        words = [
+            "no edge lost or false, each stamped less than 1 tick late",
+            "no reversal between them",
+        ]
         words.append(f"clock within ±{assumed.crystal_ppm:g} ppm")
         words.append(f"wheel diameter within ±{1e3 * assumed.diameter_tolerance_m:g} mm")
         words.append(f"rising edges of a within ±{assumed.tooth_error:g} pitch of their places")
