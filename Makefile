@@ -1,5 +1,6 @@
 # Each target sets up what it needs, from nothing but python3 ≥ 3.11.
 PYTHON ?= python3
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
@@ -15,9 +16,10 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
 		{ echo "railgate needs Python's venv (Debian: apt-get install python3-venv)"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet uv==0.13.9
-	$(BIN)/uv pip sync --quiet --require-hashes requirements.lock
-	$(BIN)/uv pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/pip install --quiet --require-hashes --requirement requirements.lock
+	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
+	@test -n "$$CXX" || command -v c++ >/dev/null || \
+		{ echo "no c++ here: installing one from PyPI"; $(BIN)/pip install --quiet ziglang==0.17.1; }
 	$(BIN)/railgate doctor
 	@touch $@
 
@@ -41,7 +43,8 @@ bench: setup
 evidence: setup
 	$(BIN)/pytest -m slow
 
-lock:
+lock: setup
+	$(BIN)/pip install --quiet uv==0.13.9
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-annotate --no-header \
 		--extra cxxrtl --group dev --group bench pyproject.toml --output-file requirements.lock
 

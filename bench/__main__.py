@@ -1,4 +1,4 @@
-"""Run all benches, or those named: a table, and build/bench.json."""
+"""Run all benches: a table, and build/bench.json. Or only those named: the table."""
 
 from __future__ import annotations
 
@@ -24,19 +24,22 @@ def main(names: list[str]) -> int:
     for name in names or BENCHES:
         console.print(f"[bold]{name}[/bold] …")
         rows += importlib.import_module(f"bench.{name}").run()
-        RESULT.parent.mkdir(exist_ok=True)
-        RESULT.write_text(json.dumps(rows, indent=1) + "\n")  # what is done is kept
+        if not names:
+            RESULT.parent.mkdir(exist_ok=True)
+            RESULT.write_text(json.dumps(rows, indent=1) + "\n")  # what is done is kept
     table = Table("figure", "value", "unit", "goal", "met")
     for row in rows:
         met = {True: "[green]yes", False: "[red]no", None: ""}[row["met"]]
-        table.add_row(*(_text(row[key]) for key in ("name", "value", "unit", "goal")), met)
+        goal = f"{row['sense']} {_text(row['goal'])}" if row["sense"] else ""
+        table.add_row(row["name"], _text(row["value"]), row["unit"], goal, met)
     console.print(table)
-    console.print(f"{RESULT}")
+    if not names:
+        console.print(f"wrote {RESULT}")
     return 0 if all(row["met"] is not False for row in rows) else 1
 
 
 def _text(value: object) -> str:
-    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 sys.exit(main(sys.argv[1:]))

@@ -13,6 +13,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
+from bench.row import Row, row
 from railgate.odometer.host import estimators
 from railgate.odometer.host.estimators import Scale
 from railgate.odometer.host.feasible import speed_bounds
@@ -155,22 +156,16 @@ def enclosures(
     return missed, empties, ratio / trials, worst, width / trials
 
 
-def row(name: str, value: float, unit: str, goal: str = "", met: bool | None = None) -> Any:
-    return {"name": name, "value": value, "unit": unit, "goal": goal or None, "met": met}
-
-
-def _scatter_rows() -> list[dict[str, Any]]:
+def _scatter_rows() -> list[Row]:
     rows = []
     for seed, (first, last) in enumerate(CLASSES):
         ratio = scatter(200_000, first, last, seed)
-        rows.append(row(f"Ω variance over theory, {first} to {last} periods", ratio, ""))
+        rows.append(row(f"Ω variance over theory, {first} to {last} periods", ratio))
     worst = max(scatter(100_000, n, n, n) for n in range(1, 110))
-    goal = 1.05**2
-    name = "Ω variance over theory, worst of N = 2 … 110"
-    return [*rows, row(name, worst, "", f"≤ {goal:.4f}", worst <= goal)]
+    return [*rows, row("Ω variance over theory, worst of N = 2 … 110", worst, most=1.05**2)]
 
 
-def _violation_rows() -> list[dict[str, Any]]:
+def _violation_rows() -> list[Row]:
     slowest, fastest = CONFIG.period_ticks(3), CONFIG.period_ticks(220)
     missed, trials = np.zeros(3, np.int64), 0
     near = np.zeros(3)
@@ -181,14 +176,12 @@ def _violation_rows() -> list[dict[str, Any]]:
         missed, trials, near = missed + some, trials + each, np.maximum(near, how_near)
     rows = []
     for name, count, part in zip(("one period", "Π", "Ω"), missed, near, strict=True):
-        rows.append(
-            row(f"{name}: violations in {trials:.0e} trials", int(count), "", "0", bool(count == 0))
-        )
+        rows.append(row(f"{name}: violations in {trials:.0e} trials", int(count), most=0))
         rows.append(row(f"{name}: nearest to its bound", float(part), "half-width"))
     return rows
 
 
-def _feasible_rows() -> list[dict[str, Any]]:
+def _feasible_rows() -> list[Row]:
     scale = Scale(CONFIG, Assumptions(crystal_ppm=0))
     slowest, fastest, at_200 = (CONFIG.period_ticks(v) for v in (3, 220, 200))
     args = (scale.acceleration, True)
@@ -197,23 +190,22 @@ def _feasible_rows() -> list[dict[str, Any]]:
         some, none, *_ = enclosures(each, seed, slowest, fastest, *args, tooth)
         missed, empties, trials = missed + some, empties + none, trials + each
     rows = [
-        row(f"feasible set: violations in {trials:.0e} trials", missed, "", "0", missed == 0),
-        row("feasible set: empty though all holds", empties, "", "0", empties == 0),
+        row(f"feasible set: violations in {trials:.0e} trials", missed, most=0),
+        row("feasible set: empty though all holds", empties, most=0),
     ]
     _, _, ratio, worst, width = enclosures(
         500_000, 4, at_200, at_200, scale.acceleration, False, 0.0
     )
     unit = scale.unit_kmh
     rows += [
-        row("feasible set at 200 km/h: times narrower than Π", 1 / ratio, "", "≥ 10", ratio <= 0.1),
+        row("feasible set at 200 km/h: times narrower than Π", 1 / ratio, "×", least=10),
         row("feasible set at 200 km/h: mean half-width", width * unit, "km/h"),
         row("feasible set at 200 km/h: worst error", worst * unit, "km/h"),
         row(
             "feasible set at 200 km/h: times below the source's error",
             SOURCE_KMH / (worst * unit),
-            "",
-            "≥ 100",
-            worst * unit <= SOURCE_KMH / 100,
+            "×",
+            least=100,
         ),
     ]
     for tooth in (0.0, 0.001, 0.02):
@@ -224,6 +216,6 @@ def _feasible_rows() -> list[dict[str, Any]]:
     return rows
 
 
-def run() -> list[dict[str, Any]]:
+def run() -> list[Row]:
     """The rows of the table: name, value, unit, goal, met."""
     return [*_scatter_rows(), *_violation_rows(), *_feasible_rows()]

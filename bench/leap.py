@@ -7,10 +7,10 @@ import statistics
 import time
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
 
 from rich.progress import track
 
+from bench.row import Row, row
 from bench.verilator import Verilated
 from railgate.engines import Engine, open_engine
 from railgate.engines.run import run as run_through
@@ -25,11 +25,11 @@ ROUNDS = 5
 EVERY_S = Fraction(1, 50)
 
 
-def run() -> list[dict[str, Any]]:
+def run() -> list[Row]:
     return [*_speed(), *_equality()]
 
 
-def _speed() -> list[dict[str, Any]]:
+def _speed() -> list[Row]:
     """10 s at 200 km/h, 16 MHz: every engine in turn, five rounds, outputs hashed."""
     config = Config(sensors=1)
     inputs = stimulus(Sensor().drive(constant(200, 10), config), config, EVERY_S)
@@ -51,12 +51,12 @@ def _speed() -> list[dict[str, Any]]:
     ratio = statistics.median(s / f for s, f in zip(slow, seconds["leap"], strict=True))
     edges = len(inputs["sensor.0.a"]) + len(inputs["sensor.0.b"])
     leap_s = statistics.median(seconds["leap"])
-    rows = [_row("leap / faster simulator, 10 s at 200 km/h", ratio, "×", 5000.0)]
+    rows = [row("leap / faster simulator, 10 s at 200 km/h", ratio, "×", least=5000)]
     rows += [
-        _row(f"{name}, 10 s at 200 km/h", inputs.end / statistics.median(seconds[name]), "ticks/s")
+        row(f"{name}, 10 s at 200 km/h", inputs.end / statistics.median(seconds[name]), "ticks/s")
         for name in engines
     ]
-    return [*rows, _row("leap, per edge", leap_s / edges * 1e9, "ns")]
+    return [*rows, row("leap, per edge", leap_s / edges * 1e9, "ns")]
 
 
 def _timed(engine: Engine, inputs: Trace) -> float:
@@ -75,7 +75,7 @@ def _digest(trace: Trace) -> str:
     return digest.hexdigest()
 
 
-def _equality() -> list[dict[str, Any]]:
+def _equality() -> list[Row]:
     """Mixed stimulus, faults of every kind: leap and the gateware, compared tick for tick."""
     total, differences = 0, 0
     rough = {"tooth_error": 0.05, "jitter_s": 2e-6, "dropouts": 1e-3, "glitches_hz": 300.0}
@@ -93,13 +93,6 @@ def _equality() -> list[dict[str, Any]]:
         differences += leap.first_difference(gateware) is not None
         total += inputs.end
     return [
-        _row("leap ≡ cxxrtl, mixed stimulus", float(total), "ticks", 1e9),
-        _row("leap ≡ cxxrtl, runs that differ", float(differences), "runs", 0.0, differences == 0),
+        row("leap ≡ cxxrtl, mixed stimulus", float(total), "ticks", least=1e9),
+        row("leap ≡ cxxrtl, runs that differ", float(differences), "runs", most=0),
     ]
-
-
-def _row(
-    name: str, value: float, unit: str, goal: float | None = None, met: bool | None = None
-) -> dict[str, Any]:
-    reached = met if met is not None else None if goal is None else value >= goal
-    return {"name": name, "value": value, "unit": unit, "goal": goal, "met": reached}

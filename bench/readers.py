@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.row import Row, row
 from railgate.waves import Trace, Waveform, write_parquet, write_vcd
 
 __all__ = ["run"]
@@ -62,7 +63,7 @@ print(json.dumps({"seconds": seconds, "peak": peak, "samples": trace.end - trace
 """
 
 
-def run() -> list[dict[str, Any]]:
+def run() -> list[Row]:
     """One row a figure: name, value, unit, goal (None: informational), met."""
     with tempfile.TemporaryDirectory() as folder:
         session = Path(folder) / "session.sr"
@@ -70,19 +71,12 @@ def run() -> list[dict[str, Any]]:
         found = _measure(session, ["A", "B"], REPEATS)
         rate = SAMPLES / statistics.median(cpu for _, cpu in found["seconds"])
         peak = float(found["peak"])
+        session_of = "sigrok session of 200 million samples, one core:"
         rows = [
-            _row("sigrok session, samples read per second of one core", rate, "1/s",
-                 GOAL_SAMPLES_PER_S, rate >= GOAL_SAMPLES_PER_S),
-            _row("sigrok session of 200 million samples, peak memory", peak, "B",
-                 GOAL_PEAK_BYTES, peak < GOAL_PEAK_BYTES),
-        ]  # fmt: skip
+            row(f"{session_of} 2 of 8 channels", rate, "samples/s", least=GOAL_SAMPLES_PER_S),
+            row(f"{session_of} peak memory", peak, "B", most=GOAL_PEAK_BYTES),
+        ]
         return rows + [_values(Path(folder), kind, write) for kind, write in WRITERS.items()]
-
-
-def _row(
-    name: str, value: float, unit: str, goal: float | None = None, met: bool | None = None
-) -> dict[str, Any]:
-    return {"name": name, "value": value, "unit": unit, "goal": goal, "met": met}
 
 
 def _measure(path: Path, channels: list[str] | None, repeats: int) -> Any:
@@ -140,13 +134,13 @@ WRITERS: dict[str, Callable[[Path, Trace], None]] = {
 }
 
 
-def _values(folder: Path, kind: str, write: Callable[[Path, Trace], None]) -> dict[str, Any]:
+def _values(folder: Path, kind: str, write: Callable[[Path, Trace], None]) -> Row:
     trace, path = _quadrature(), folder / f"wheel.{kind}"
     write(path, trace)
     found = _measure(path, None, 1)
     values = sum(len(wave) for wave in trace.signals.values())
     wall = found["seconds"][0][0]  # VCD is read by a process of its own: its time counts too
-    return _row(f"{kind}, values read per second", values / wall, "1/s")
+    return row(f"{kind}, values read per second", values / wall, "1/s")
 
 
 if __name__ == "__main__":

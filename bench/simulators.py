@@ -11,6 +11,7 @@ from unittest.mock import patch
 
 import numpy as np
 
+from bench.row import Row, row
 from bench.verilator import Verilated
 from railgate.engines import Design, Engine, open_engine
 from railgate.odometer.design import design
@@ -26,7 +27,7 @@ PULSES_HZ = Fraction(5441)
 STROBE_TICKS = 320_000
 
 
-def run() -> list[dict[str, object]]:
+def run() -> list[Row]:
     """Rows of name, value, unit, goal, met; goal and met are None where a row only informs.
 
     One sensor at 200 km/h, 16 MHz, a snapshot each 20 ms; all outputs recorded, interleaved runs,
@@ -90,16 +91,6 @@ def timed(engine: Engine, until: int, stimulus: Trace, seconds: list[float]) -> 
     return result
 
 
-def ratio(name: str, ours: list[float], theirs: list[float], goal: float) -> dict[str, object]:
+def ratio(name: str, ours: list[float], theirs: list[float], least: float) -> Row:
     """The median of the ratios of neighbouring runs, so that both felt the same load."""
-    value = median(a / b for a, b in zip(ours, theirs, strict=True))
-    return {"name": name, "value": value, "unit": "×", "goal": goal, "met": value >= goal}
-
-
-def row(name: str, value: float, unit: str) -> dict[str, object]:
-    return {"name": name, "value": value, "unit": unit, "goal": None, "met": None}
-
-
-if __name__ == "__main__":
-    for found in run():
-        print(found)
+    return row(name, median(a / b for a, b in zip(ours, theirs, strict=True)), "×", least=least)

@@ -79,7 +79,7 @@ class Verilated(Native):
     """Runs a design in Verilator, single-threaded; it can neither be poked nor saved."""
 
     def __init__(self, design: Design) -> None:
-        signals, text = netlist(design)
+        signals, _, text = netlist(design)
         inputs = [flat(port) for port in signals if not port.output]
         outputs = [flat(port) for port in signals if port.output]
         clocks = [clock_port(clock) for clock in design.clocks]
@@ -99,13 +99,15 @@ class Verilated(Native):
             yosys(text, SCRIPT, folder)
             root = _verilate(folder)
             source = folder / "engine.cc"
-            source.write_text(loop)
+            source.write_text(loop, encoding="utf-8")
             runtime = [root / "verilated.cpp", root / "verilated_threads.cpp"]
             generated = sorted((folder / "made").glob("*.cpp"))
             include = [folder / "made", root, root / "vltstd"]
             compile_shared([*generated, source, *runtime], include, made, "-pthread")
 
-        super().__init__(design, signals, cached("verilated", text + loop, build))
+        this = Path(__file__).read_text(encoding="utf-8")  # script and options are here
+        sources = "\n".join((text, loop, this, importlib.metadata.version("verilator")))
+        super().__init__(design, signals, {}, cached("verilated", sources, build))
 
 
 def _listed(names: list[str]) -> str:

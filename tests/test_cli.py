@@ -1,15 +1,21 @@
 """The command line: what it prints, what it writes, and how it fails."""
 
+import inspect
 import json
 import re
 import sys
+from dataclasses import fields
 from pathlib import Path
+from typing import get_type_hints
 
 import pyarrow.parquet
 import pytest
+from typer.models import OptionInfo
 
+from railgate import cli
 from railgate.cli import main
 from railgate.odometer.spec import Flag
+from railgate.options import Setup
 from railgate.waves import read
 
 HERE = Path(__file__).parent
@@ -81,7 +87,8 @@ def test_out_writes_tables_waves_and_a_picture(railgate, tmp_path) -> None:
 
 def test_simulate_shows_the_truth(railgate) -> None:
     code, out, _ = railgate(
-        "simulate", "odometer", "--profile", "constant", "--seconds", "1", "--speed", "80", "--json"
+        *("simulate", "odometer", "--profile", "constant"),
+        *("--seconds", "1", "--speed", "80", "--json"),
     )
     assert code == 0
     windows = json.loads(out)["windows"]
@@ -112,6 +119,26 @@ def test_every_command_has_help_and_a_page(railgate) -> None:
         assert f"## railgate {' '.join(command)}" in DOCS
 
 
+def test_the_tables_of_options_are_those_of_the_commands() -> None:
+    hints = get_type_hints(Setup, include_extras=True)
+    told = [(field.name, hints[field.name]) for field in fields(Setup)]
+    for command in (cli.measure_, cli.simulate_odometer):
+        told += [(n, p.annotation) for n, p in inspect.signature(command).parameters.items()]
+    for name, annotation in told:
+        option = next(m for m in annotation.__metadata__ if hasattr(m, "help"))
+        if isinstance(option, OptionInfo) and name not in ("a", "b", "window"):
+            row = rf"\| `--{name.replace('_', '-')}` \| [^|]* \| {re.escape(option.help)} \|"
+            assert re.search(row, DOCS), f"--{name} has no such row in docs/commands.md"
+
+
+def test_a_run_beyond_the_assumed_acceleration_is_named(railgate) -> None:
+    _, _, err = railgate("simulate", "odometer", "--profile", "ramp", "--seconds", "5", "--json")
+    assert err == (
+        "railgate: the run accelerates at up to 11.11 m/s², above the 1.5 m/s² assumed "
+        "(--acceleration-max)\n"
+    )
+
+
 MEASURE = ("measure", FAST, "--a", "XA", "--b", "XB")
 
 
@@ -134,6 +161,9 @@ MEASURE = ("measure", FAST, "--a", "XA", "--b", "XB")
         ((*MEASURE, "--engine", "steam"), "leap, cxxrtl, pysim"),
         ((*MEASURE, "--estimator", "guess"), "period, pi, omega, feasible"),
         ((*MEASURE, "--crystal-ppm", "-1"), "crystal_ppm must be between 0 and 10000, not -1"),
+        ((*MEASURE, "--overspeed-kmh", "nan"), "--overspeed-kmh must be a finite number, not nan"),
+        ((*MEASURE, "--clock", "10kHz"), "at least 8 ticks of clock_hz, not 1"),
+        (("simulate", "odometer", "--speed", "1e9"), "at most 10000000 pitches long"),
         ((*MEASURE, "--out", "/dev/null/x"), "cannot be written"),
         (("simulate", "odometer", "--profile", "fall"), "constant, ramp, run, shuttle or a file"),
         (("simulate", "odometer", "--seconds", "0"), "seconds must be above 0"),

@@ -16,8 +16,9 @@ from rich.progress import Progress
 from railgate import doctor as checkup
 from railgate import quantity
 from railgate.odometer import plant
-from railgate.odometer.measure import Measurement, measure, part, simulate
+from railgate.odometer.measure import Measurement, measure, part
 from railgate.odometer.record import record
+from railgate.odometer.simulate import simulate
 from railgate.odometer.table import show
 from railgate.options import Setup, with_setup
 from railgate.waves import read
@@ -95,6 +96,12 @@ def simulate_odometer(
     course = plant.course(profile, speed, seconds)
     with _progress(setup) as progress:
         measured = simulate(course, sensor, setup.config(), **setup.how(progress))
+    if course.acceleration_m_s2 > setup.acceleration_max:
+        print(
+            f"railgate: the run accelerates at up to {course.acceleration_m_s2:.2f} m/s², above "
+            f"the {setup.acceleration_max:g} m/s² assumed (--acceleration-max)",
+            file=sys.stderr,
+        )
     _present(measured, setup)
 
 
@@ -119,7 +126,7 @@ def _progress(setup: Setup) -> Iterator[Callable[[float], None] | None]:
 def _present(measured: Measurement, setup: Setup) -> None:
     paths = record(measured, setup.out) if setup.out else []
     if setup.json:
-        print(json.dumps(measured.as_json(), ensure_ascii=False, indent=1))
+        print(json.dumps(measured.as_json(), ensure_ascii=False, allow_nan=False, indent=1))
         return
     console = Console()
     if not console.is_terminal:

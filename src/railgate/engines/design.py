@@ -55,6 +55,7 @@ class Design:
     Time base: with one clock without phase a tick is its period. Otherwise a tick is one
     femtosecond and clock edge n is in the first tick not before its time.
     An active edge in tick k samples what the signals hold in tick k - 1; registers change in k.
+    Ticks are int64: a run ends at tick 2⁶³ - 2⁵⁸ at the latest, in femtoseconds after 8 935 s.
     """
 
     name: str
@@ -85,6 +86,10 @@ class Engine(Protocol):
     def now(self) -> int:
         """The tick up to which it has run."""
 
+    @property
+    def registers(self) -> tuple[str, ...]:
+        """The names that `poke` takes: registers of up to 64 bits."""
+
     def advance(self, until: int, stimulus: Trace) -> Trace:
         """Run the ticks now ≤ k < until; the result has every output over just these.
 
@@ -94,13 +99,16 @@ class Engine(Protocol):
 
     def poke(self, name: str, value: int) -> None:
         """Force a register, as `sensor_0.position`, to hold `value` in tick `now`; it goes on from
-        there. Raises ValueError, naming those there are."""
+        there. Raises ValueError, naming those there are, and for a value that it cannot hold."""
 
     def checkpoint(self) -> Any:
         """All of the state; opaque, and good for any engine of the same kind and design."""
 
     def restore(self, checkpoint: Any) -> None:
-        """Go back (or forth) to the state and tick of a checkpoint."""
+        """Go back (or forth) to the state and tick of a checkpoint.
+
+        Raises ValueError where it is of another design, or of other clocks.
+        """
 
 
 Model = Engine

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from hashlib import sha256
 from math import lcm
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgate.engines.design import Clock, Design
-from railgate.engines.ports import Port, check
+from railgate.engines.signals import Port, Register, check, poked
 from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Values, storage
 
@@ -30,21 +31,32 @@ class Native:
     """Runs a design from a shared object. See railgate.engines.Engine for the protocol.
 
     library: what was compiled from loop.cc. signals: the design's ports, inputs and outputs in
-    the order in which they were compiled. Raises OSError where the library cannot be loaded.
+    the order in which they were compiled. registers: by the path that each has in the
+    library; one that was optimised away cannot be poked. Raises ValueError where the library cannot be loaded.
     """
 
-    def __init__(self, design: Design, signals: Sequence[Port], library: Path) -> None:
-        self.design = design
+    def __init__(
+        self,
+        design: Design,
+        signals: Sequence[Port],
+        registers: Mapping[str, Register],
+        library: Path,
+    ) -> None:
+        self._design = design
         self._inputs = tuple(port for port in signals if not port.output)
         self._outputs = tuple(port for port in signals if port.output)
-        self._build = library.stem.encode()
+        clocks = b"".join(map(_edges, design.clocks))
+        self._build = sha256(library.stem.encode() + clocks).digest()
         self._now = 0
         self._c = _interface(library)
-        self._handle = self._c.railgate_open(b"".join(map(_edges, design.clocks)))
+        self._handle = self._c.railgate_open(clocks)
         weakref.finalize(self, self._c.railgate_close, self._handle)
         lines = self._c.railgate_registers(self._handle).decode().splitlines()
-        split = [line.rsplit(" ", 1) for line in lines]
-        self._widths = {name.replace(" ", "."): int(width) for name, width in split}
+        names = [line.rsplit(" ", 1)[0].replace(" ", ".") for line in lines]
+        there = {path: index for index, path in enumerate(names)}
+        kept = {path: found for path, found in registers.items() if path in there}
+        self._registers = {found.name: found for found in kept.values()}
+        self._places = {found.name: there[path] for path, found in kept.items()}
 
     @property
     def now(self) -> int:
@@ -54,12 +66,13 @@ class Native:
     @property
     def registers(self) -> tuple[str, ...]:
         """The names that `poke` takes."""
-        return tuple(self._widths)
+        return tuple(self._registers)
 
     def advance(self, until: int, stimulus: Trace) -> Trace:
         """Run the ticks now ≤ k < until; the result has every output over just these."""
         start = self._now
-        check(stimulus, self.design, start, until, self._inputs)
+        design = self._design
+        check(stimulus, design.name, design.period, start, until, self._inputs)
         held = [_part(stimulus.signals.get(port.name), start, until) for port in self._inputs]
         waves = (_Wave * len(held))(
             *(_Wave(ticks.ctypes.data, values.ctypes.data, ticks.size) for ticks, values in held)
@@ -76,43 +89,40 @@ class Native:
             part = slice(at, at := at + count)
             narrow = _typed(values[part], port)
             signals[port.name] = Waveform(ticks[part].copy(), narrow, port.width, port.signed)
-        return Trace(signals, self.design.period, start, until)
+        return Trace(signals, design.period, start, until)
 
     def poke(self, name: str, value: int) -> None:
         """Force a register to hold `value` in tick `now`; it goes on from there.
 
         Raises ValueError where there is no such register, or where it cannot hold the value.
         """
-        width = self._widths.get(name)
-        if width is None:
-            raise ValueError(
-                f'no register "{name}" in {self.design.name}; there are: '
-                f"{', '.join(self._widths) or 'none'}"
-            )
-        if not -1 << width - 1 <= value < 1 << width:
-            raise ValueError(f'"{name}" must hold a value of {width} bits, not {value}')
-        index = list(self._widths).index(name)
-        self._c.railgate_poke(self._handle, index, value & (1 << width) - 1)
+        register = poked(self._registers, self._design.name, name, value)
+        bits = value & (1 << register.width) - 1
+        self._c.railgate_poke(self._handle, self._places[name], bits)
 
     def checkpoint(self) -> bytes:
-        """All of the state, and the build that it belongs to."""
+        """All of the state, and the digest of the build and the clocks that it belongs to."""
         state = ctypes.create_string_buffer(self._c.railgate_size(self._handle))
         self._c.railgate_save(self._handle, ctypes.addressof(state))
         return self._build + state.raw
 
     def restore(self, checkpoint: bytes) -> None:
-        """Go back (or forth) to a checkpoint; ValueError where it is of another build."""
+        """Go back (or forth) to a checkpoint; ValueError where it is of other build or clocks."""
         build, state = checkpoint[: len(self._build)], checkpoint[len(self._build) :]
         if build != self._build or len(state) != self._c.railgate_size(self._handle):
             raise ValueError(
-                f"the checkpoint must be one of {self._build.decode()}, not of {build!r}"
+                f"a checkpoint must be of {self._design.name} as it is compiled and clocked here, "
+                "not of another design"
             )
         self._c.railgate_load(self._handle, state)
         self._now = int.from_bytes(state[:8], "little")
 
 
 def _interface(library: Path) -> ctypes.CDLL:
-    shared = ctypes.CDLL(str(library))
+    try:
+        shared = ctypes.CDLL(str(library))
+    except OSError as error:
+        raise ValueError(f"the compiled design cannot be loaded: {error}") from error
     for name, result, *arguments in (
         ("open", _POINTER, ctypes.c_char_p),
         ("close", None, _POINTER),
@@ -132,14 +142,16 @@ def _interface(library: Path) -> ctypes.CDLL:
 def _edges(clock: Clock) -> bytes:
     """The first edge and the step, as tick + rest / divisor femtoseconds, of 64 and 128 bits.
 
-    Raises ValueError where the divisor leaves 126 bits.
+    Raises ValueError where the divisor leaves 126 bits, or where the edge after LAST_TICK may leave
+    64 bits.
     """
     step = clock.period * 10**15
     first = step * (1 + Fraction(clock.phase))
     divisor = lcm(step.denominator, first.denominator)
-    if divisor >= 1 << 126 or max(step, first) >= 1 << 62:
+    if divisor >= 1 << 126 or max(step, first) >= 1 << 57:
         raise ValueError(
-            f"the period of {clock.domain} must be a fraction of at most 126 bits, not {step} fs"
+            f"the period of {clock.domain} must be below 72 s, as a fraction of at most 126 bits, "
+            f"not {step} fs"
         )
     (tick, rest), (whole, part) = divmod(first * divisor, divisor), divmod(step * divisor, divisor)
     narrow = (int(tick), int(whole))

@@ -1,37 +1,23 @@
-"""A component's ports as an engine names them, and the check of a stimulus against them."""
+"""A component's ports and registers, as an engine names them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from amaranth.hdl import Value
 from amaranth.lib.wiring import Out
 
-from railgate.engines.design import Clock, Design
-from railgate.waves import Trace
-from railgate.waves.waveform import storage
+from railgate.engines.design import Clock
+from railgate.engines.signals import Port, Register
+from railgate.waves.waveform import MAX_WIDTH
 
 if TYPE_CHECKING:
     from amaranth.lib import wiring
 
-__all__ = ["Port", "check", "ports"]
-
-
-@dataclass(frozen=True)
-class Port:
-    """One signal at the border of a design.
-
-    name: the path joined by dots, as `sensor.0.a`. width: bits, at most 64. path: attribute names
-    and indices from the component to the signal; of a reset just its name.
-    """
-
-    name: str
-    width: int
-    signed: bool
-    output: bool
-    path: tuple[str | int, ...]
+__all__ = ["Driven", "ports", "registers"]
 
 
 def ports(component: wiring.Component, clocks: Sequence[Clock]) -> tuple[Port, ...]:
@@ -43,8 +29,10 @@ def ports(component: wiring.Component, clocks: Sequence[Clock]) -> tuple[Port, .
     found = []
     for path, member, value in component.signature.flatten(component):
         shape = Value.cast(value).shape()
-        storage(shape.width)
         name = ".".join(str(part) for part in path)
+        if not 1 <= shape.width <= MAX_WIDTH:
+            allowed = f"at most {MAX_WIDTH} bits" if shape.width else "at least 1 bit"
+            raise ValueError(f'"{name}" must be {allowed} wide, not {shape.width}')
         found.append(Port(name, shape.width, shape.signed, member.flow == Out, tuple(path)))
     for clock in clocks:
         name = "rst" if clock.domain == "sync" else f"{clock.domain}_rst"
@@ -52,34 +40,31 @@ def ports(component: wiring.Component, clocks: Sequence[Clock]) -> tuple[Port, .
     return tuple(found)
 
 
-def check(stimulus: Trace, design: Design, now: int, until: int, inputs: Sequence[Port]) -> None:
-    """Raises ValueError unless `stimulus` drives only `inputs` of `design`, in its time base, with
-    their widths, and covers now ≤ tick < until."""
-    if stimulus.period != design.period:
-        raise ValueError(
-            f"a tick of {design.name}'s stimulus must last {design.period} s, "
-            f"not {stimulus.period} s"
-        )
-    if until < now:
-        raise ValueError(f"{design.name} is at tick {now} already, it cannot run to tick {until}")
-    if until > now and not stimulus.start <= now <= until <= stimulus.end:
-        raise ValueError(
-            f"the stimulus must cover ticks {now}..{until}, not {stimulus.start}..{stimulus.end}"
-        )
-    there = {port.name: port for port in inputs}
-    for name, wave in stimulus.signals.items():
-        port = there.get(name)
-        if port is None:
-            raise ValueError(
-                f'no input "{name}" in {design.name}; there are: {", ".join(there) or "none"}'
-            )
-        if (wave.width, wave.signed) != (port.width, port.signed):
-            raise ValueError(
-                f'"{name}" must be {kind(port.width, port.signed)}, '
-                f"not {kind(wave.width, wave.signed)}"
-            )
+@dataclass(frozen=True)
+class Driven:
+    """A register of a component: its signal, and the path it is written out by, as RTLIL's."""
+
+    register: Register
+    signal: Value
+    written: str
 
 
-def kind(width: int, signed: bool) -> str:
-    """A signal's shape in words, as `8 bits signed`."""
-    return f"{width} bit{'s' * (width > 1)}{' signed' * signed}"
+def registers(prepared: Any, component: int) -> Iterator[Driven]:
+    """Each named signal of 1 to 64 bits that a clock changes, by its path below the component.
+
+    prepared: Amaranth's design with all names given. component: how deep in it the component is.
+    A register keeps its name where a port has it too, and is written out by another one; a
+    second register of the same path is `<path>$2`.
+    """
+    seen: Counter[str] = Counter()
+    for fragment, info in prepared.fragments.items():
+        folder = info.name[component:]
+        for domain, statements in fragment.statements.items():
+            for signal in statements._lhs_signals() if domain != "comb" else ():
+                shape = signal.shape()
+                if signal.name and 1 <= shape.width <= MAX_WIDTH:
+                    path = ".".join((*folder, signal.name))
+                    seen[path] += 1
+                    name = f"{path}${seen[path]}" if seen[path] > 1 else path
+                    written = ".".join((*folder, info.signal_names[signal]))
+                    yield Driven(Register(name, shape.width, shape.signed), signal, written)

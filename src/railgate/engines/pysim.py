@@ -15,7 +15,8 @@ from amaranth.hdl import ClockDomain, Module, Value
 from amaranth.sim import Simulator
 
 from railgate.engines.design import Clock, Design
-from railgate.engines.ports import Port, check, ports
+from railgate.engines.ports import ports, registers
+from railgate.engines.signals import Port, check, poked
 from railgate.waves import Trace, Waveform
 
 if TYPE_CHECKING:
@@ -29,9 +30,12 @@ Event = tuple[int, Any, int | None]
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Every signal and memory of a design, in order of creation, as in tick `now`."""
+    """Every signal and memory of a design, in order of creation, as in tick `now`.
 
-    design: str
+    design: its name, clocks, and the shapes of these signals and memories.
+    """
+
+    design: tuple[Any, ...]
     now: int
     signals: tuple[int, ...]
     memories: tuple[tuple[int, ...], ...]
@@ -40,7 +44,7 @@ class Checkpoint:
 class PySim:
     """Runs a design in Amaranth's simulator, by the protocol of railgate.engines.Engine.
 
-    Raises ValueError where the design has a domain without a clock.
+    Raises ValueError where the design has a domain without a clock, or makes one itself.
 
     The simulator's public interface can neither force a register nor save its state, so its slots
     are used directly: one per signal with `curr` and `next`, one per memory with `data`. The clock
@@ -66,12 +70,20 @@ class PySim:
         self._changed: list[Port] = []
         for port in self._outputs:
             self._slots[port.name].wakers.append(partial(self._note, port))
-        self._registers = {name: self._slot(signal) for name, signal in _registers(simulator)}
+        found = list(registers(simulator._design, 2))
+        self._registers = {each.register.name: each.register for each in found}
+        self._forced = {each.register.name: self._slot(each.signal) for each in found}
         self._engine.step_design()
 
         state = self._engine.state
         self._signals = [self._slot(s) for s in sorted(state.signals, key=lambda s: s.duid)]
         self._memories = [state.slots[index] for index in state.memories.values()]
+        self._shapes = (
+            design.name,
+            design.clocks,
+            tuple((slot.signal.name, slot.signal.shape()) for slot in self._signals),
+            tuple((len(slot.data), slot.memory.shape) for slot in self._memories),
+        )
 
     def _slot(self, signal: Value) -> Any:
         state = self._engine.state
@@ -93,7 +105,8 @@ class PySim:
 
     def advance(self, until: int, stimulus: Trace) -> Trace:
         """Run the ticks now ≤ k < until; see Engine.advance."""
-        check(stimulus, self._design, self._now, until, self._inputs)
+        design = self._design
+        check(stimulus, design.name, design.period, self._now, until, self._inputs)
         start = self._now
         if until > start:
             for name, wave in stimulus.signals.items():
@@ -158,39 +171,25 @@ class PySim:
 
     def poke(self, name: str, value: int) -> None:
         """Force a register to hold `value` in tick `now`; see Engine.poke."""
-        slot = self._registers.get(name)
-        if slot is None:
-            raise ValueError(
-                f'no register "{name}" in {self._design.name}; '
-                f"there are: {', '.join(self._registers) or 'none'}"
-            )
-        shape = slot.signal.shape()
-        low = -(1 << shape.width - 1) if shape.signed else 0
-        high = low + (1 << shape.width) - 1
-        if not low <= value <= high:
-            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
-        slot.update(value)
+        poked(self._registers, self._design.name, name, value)
+        self._forced[name].update(value)
         self._engine.step_design()
 
     def checkpoint(self) -> Checkpoint:
         """All of the state; any PySim of the same design can go on from it."""
         signals = tuple(slot.curr for slot in self._signals)
         memories = tuple(tuple(slot.data) for slot in self._memories)
-        return Checkpoint(self._design.name, self._now, signals, memories)
+        return Checkpoint(self._shapes, self._now, signals, memories)
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Go back (or forth) to the state and tick of a checkpoint.
 
-        Raises ValueError where it is one of another design.
+        Raises ValueError where it is one of another design, or of other clocks.
         """
-        sizes = len(checkpoint.signals), len(checkpoint.memories)
-        if (checkpoint.design, *sizes) != (
-            self._design.name,
-            len(self._signals),
-            len(self._memories),
-        ):
+        if checkpoint.design != self._shapes:
             raise ValueError(
-                f"{self._design.name} cannot go on from a checkpoint of {checkpoint.design}"
+                f"a checkpoint must be of {self._design.name} as it is built and clocked here, "
+                "not of another design"
             )
         for slot, value in zip(self._signals, checkpoint.signals, strict=True):
             slot.curr = slot.next = value
@@ -211,6 +210,17 @@ def _simulator(design: Design, component: wiring.Component) -> tuple[Simulator, 
             f"{design.name} needs a clock for each domain, "
             f"not none for {', '.join(sorted(unclocked))}"
         )
+    inner = {
+        name
+        for fragment in simulator._design.fragments
+        for name, domain in fragment.domains.items()
+        if domain not in domains
+    }
+    if inner:
+        raise ValueError(
+            f"{design.name} must have domains of its clocks only, with rising edges, "
+            f"not one of its own: {', '.join(sorted(inner))}"
+        )
     return simulator, domains
 
 
@@ -219,12 +229,3 @@ def _member(component: wiring.Component, port: Port) -> Value:
     for part in port.path:
         member = member[part] if isinstance(part, int) else getattr(member, part)
     return Value.cast(member)
-
-
-def _registers(simulator: Simulator) -> Iterator[tuple[str, Value]]:
-    """Every signal that a clock changes, by its path below the component."""
-    for fragment, info in simulator._design.fragments.items():
-        for domain, statements in fragment.statements.items():
-            if domain != "comb":
-                for signal in statements._lhs_signals():
-                    yield ".".join((*info.name[2:], info.signal_names[signal])), signal

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
-
-import numpy as np
 
 from railgate.engines.design import Engine
 from railgate.waves import Trace
@@ -19,10 +16,10 @@ def run(engine: Engine, stimulus: Trace, progress: Callable[[float], None] | Non
     """Advance from now to the stimulus' end; `progress` is told the part done after each step."""
     if progress is None:
         return engine.advance(stimulus.end, stimulus)
-    bounds = np.linspace(engine.now, stimulus.end, PARTS + 1).astype(np.int64)
+    start, span = engine.now, stimulus.end - engine.now
     pieces = []
-    for start, until in pairwise(bounds.tolist()):
-        if until > start:
-            pieces.append(engine.advance(until, stimulus.slice(start, until)))
-        progress((until - bounds[0]) / max(1, bounds[-1] - bounds[0]))
+    for until in sorted({start + span * i // PARTS for i in range(1, PARTS + 1)}):
+        if until > engine.now or not span:
+            pieces.append(engine.advance(until, stimulus))
+            progress((until - start) / span if span else 1.0)
     return pieces[0].concatenate(*pieces[1:])

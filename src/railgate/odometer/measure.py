@@ -9,12 +9,12 @@ from fractions import Fraction
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgate.engines import open_engine
 from railgate.engines.run import run
 from railgate.odometer.design import design
 from railgate.odometer.host import (
+    ESTIMATORS,
     Estimate,
     Snapshot,
     Wheel,
@@ -24,14 +24,30 @@ from railgate.odometer.host import (
     snapshots,
     stamps,
 )
-from railgate.odometer.plant import Profile, Sensor
 from railgate.odometer.spec import Assumptions, Config, Flag
 from railgate.waves import Trace, Waveform
 
-__all__ = ["How", "Measurement", "Progress", "Window", "measure", "part", "simulate", "stimulus"]
+__all__ = [
+    "How",
+    "Measurement",
+    "Progress",
+    "Replay",
+    "Window",
+    "measure",
+    "part",
+    "pin_tick",
+    "replay",
+    "stimulus",
+    "tell",
+]
 
 STAMP_DEPTH = 16
 """Enough where the reader takes each stamp at once."""
+MOST_WINDOWS = 1_000_000
+MOST_PULSES = 92_000
+"""Periods of one window, as many as leave the Ω sums 64 bits."""
+
+EVERY_S, ENGINE, ESTIMATOR = Fraction(1, 50), "leap", "pi"
 
 Progress = Callable[[float], None]
 
@@ -55,9 +71,8 @@ class Window:
     km/h; speed_kmh is None where the window holds no measurement, speed_high_kmh where nothing
     bounds it. direction: forward, reverse or none, by the ×4 position. pulses: rising edges of a,
     in whatever direction. period_ticks, phase_deg: of the last whole period, None before the first
-    and after a reversal in it. flags: what the gateware and the host raised, in lower case.
-    true_speed_kmh: in a simulation the true mean speed over the stretch that speed_kmh speaks of,
-    without one the true speed at t_s.
+    and where a reversal spoilt it. guarantee: what the interval is guaranteed to hold. flags: what
+    the gateware and the host raised, in lower case. true_speed_kmh: in a simulation just that.
     """
 
     t_s: float
@@ -68,6 +83,7 @@ class Window:
     pulses: int
     period_ticks: int | None
     phase_deg: float | None
+    guarantee: str
     flags: tuple[str, ...]
     true_speed_kmh: float | None = None
 
@@ -135,29 +151,44 @@ def part(pins: Trace, span_s: tuple[Fraction, Fraction]) -> Trace:
     return pins.slice(start, end)
 
 
+@dataclass(frozen=True)
+class Replay:
+    """What came out of an engine: its snapshots, an estimate of each, inputs and outputs."""
+
+    config: Config
+    shots: Sequence[Snapshot]
+    estimates: Sequence[Estimate]
+    gateware: Trace
+
+
 def stimulus(pins: Trace, config: Config, every_s: Fraction) -> Trace:
     """The odometer's inputs: pins a, b from tick 0 on in its clock, and the strobe.
 
     The j-th strobe ends the window of the pin changes before j · every_s, whatever the filter's
-    delay; the last one ends it with the pins' end. The levels are held until its snapshot is out.
+    delay; the last one ends it with the pins' end, taking up a rest too short for a snapshot. The
+    levels are held until its snapshot is out. Raises ValueError.
     """
     period = Fraction(1, config.clock_hz)
     pins = pins.shift(-pins.start).resample(period)
-    latency = config.snapshot_latency_ticks
-    if every_s < latency * period:
+    every, latency = every_s / period, config.snapshot_latency_ticks
+    if every < latency:
         raise ValueError(
             f"a window must last at least {latency} ticks, {float(latency * period):g} s, "
             f"not {float(every_s):g} s"
         )
-    whole = math.ceil(pins.end * period / every_s) - 1
-    ends = [math.ceil(j * every_s / period) for j in range(1, whole + 1)]
-    ends.append(max(pins.end, (ends[-1] if ends else 0) + latency))
-    strobes = np.array(ends) + config.input_delay_ticks - 1
+    whole = math.ceil(pins.end / every) - 1
+    if whole >= MOST_WINDOWS:
+        raise ValueError(f"at most {MOST_WINDOWS} windows can be told, not {whole + 1}")
+    up, down = every.numerator, every.denominator
+    ends = [-(-j * up // down) for j in range(1, whole + 1)]
+    if ends and pins.end - ends[-1] < latency:
+        ends.pop()
+    strobes = np.array([*ends, pins.end]) + config.input_delay_ticks - 1
     end = int(strobes[-1]) + latency + 1
     ticks = np.concatenate([[0], np.column_stack([strobes, strobes + 1]).ravel()])
-    strobe = Waveform.of(ticks, np.arange(ticks.size) & 1)
     names = {"a": "sensor.0.a", "b": "sensor.0.b"}
-    inputs = dict(pins.rename(names).extend(end).signals) | {"strobe": strobe}
+    inputs = dict(pins.rename(names).extend(end).signals)
+    inputs["strobe"] = Waveform.of(ticks, np.arange(ticks.size) & 1)
     if config.stamp_depth:
         inputs["sensor.0.stamps.ready"] = Waveform.of([0], [1])
     return Trace(inputs, period, 0, end)
@@ -166,43 +197,60 @@ def stimulus(pins: Trace, config: Config, every_s: Fraction) -> Trace:
 def measure(pins: Trace, config: Config, **how: Unpack[How]) -> Measurement:
     """Replay the pins (signals a, b) through an engine and read its snapshots as a CPU would.
 
-    config.sensors must be 1; its stamp_depth becomes what the estimator needs. Raises ValueError.
+    config.sensors must be 1; stamp_depth and window_pulses become what is needed. What the pins'
+    own sampling costs is in the interval. Raises ValueError.
     """
-    return _measure(pins, config, **how)[0]
+    return tell(pins, replay(pins, config, **how), **how)
 
 
-def simulate(profile: Profile, sensor: Sensor, config: Config, **how: Unpack[How]) -> Measurement:
-    """Drive the pins from a simulated train and measure, with the true speed in every window."""
-    measured, stretches = _measure(sensor.drive(profile, config), config, **how)
-    true = _mean_speed_kmh(profile, np.array(stretches) / config.clock_hz)
-    windows = tuple(
-        replace(window, true_speed_kmh=speed)
-        for window, speed in zip(measured.windows, true.tolist(), strict=True)
-    )
-    return replace(measured, windows=windows)
-
-
-def _measure(
+def replay(
     pins: Trace,
     config: Config,
-    every_s: Fraction = Fraction(1, 50),
-    engine: str = "leap",
-    estimator: str = "pi",
+    every_s: Fraction = EVERY_S,
+    engine: str = ENGINE,
+    estimator: str = ESTIMATOR,
     assumptions: Assumptions | None = None,
     progress: Progress | None = None,
-) -> tuple[Measurement, list[tuple[int, int]]]:
-    """The measurement, and of each window the ticks between which lies what it speaks of."""
-    config = replace(config, stamp_depth=STAMP_DEPTH if estimator == "feasible" else 0)
-    wheel = Wheel(config, assumptions or Assumptions(), estimator)
+) -> Replay:
+    """The first half of `measure`."""
+    config = _fitted(config, every_s, estimator)
+    wheel = Wheel(config, sampled(pins, config, assumptions or Assumptions()), estimator)
     inputs = stimulus(pins, config, every_s)
     outputs = run(open_engine(design(config), engine), inputs, progress)
     shots = snapshots(outputs, config)
     edges = stamps(outputs, config) if config.stamp_depth else None
     estimates = [wheel.update(shot, edges) for shot in shots]
-    said = next((e for e in estimates if e.value_kmh is not None), estimates[-1])
-    origin_s, last = pins.start * pins.period, shots[-1]
-    measured = Measurement(
-        engine=engine,
+    return Replay(config, shots, estimates, inputs.merge(outputs))
+
+
+def sampled(pins: Trace, config: Config, assumptions: Assumptions) -> Assumptions:
+    """The assumptions for pins that were sampled, as a capture is, before the clock samples them.
+
+    An edge in (k - 1, k] samples of r ticks each is stamped at ceil(k·r): less than r + 1 ticks
+    late, of a whole r at most r.
+    """
+    ratio = pins.period * config.clock_hz
+    late = ratio + 1 - Fraction(1, ratio.denominator)
+    return replace(assumptions, late_ticks=max(float(late), assumptions.late_ticks))
+
+
+def _fitted(config: Config, every_s: Fraction, estimator: str) -> Config:
+    """With stamps where the estimator needs them, and room for a window's periods."""
+    periods = math.ceil(every_s * config.clock_hz / config.period_min_ticks) + 2
+    return replace(
+        config,
+        stamp_depth=STAMP_DEPTH if estimator == "feasible" else 0,
+        window_pulses=min(max(config.window_pulses, periods), MOST_PULSES),
+    )
+
+
+def tell(pins: Trace, replayed: Replay, **how: Unpack[How]) -> Measurement:
+    """The second half of `measure`."""
+    config, shots, estimates = replayed.config, replayed.shots, replayed.estimates
+    estimator, last = how.get("estimator", ESTIMATOR), shots[-1]
+    rests_on = dict.fromkeys(premise for e in estimates for premise in e.rests_on)
+    return Measurement(
+        engine=how.get("engine", ENGINE),
         clock_hz=config.clock_hz,
         duration_s=float(pins.duration_s),
         a_rising=last.a_rising,
@@ -213,14 +261,12 @@ def _measure(
         rejected_glitches=last.rejected_glitches,
         distance_m=distance_m(last.position, config),
         estimator=estimator,
-        guarantee=said.of,
-        rests_on=said.rests_on,
-        windows=_windows(shots, estimates, config, origin_s),
+        guarantee=ESTIMATORS[estimator][1],
+        rests_on=tuple(rests_on),
+        windows=_windows(shots, estimates, config, pins.start * pins.period),
         distances_m=tuple(distance_m(shot.position, config) for shot in shots),
-        gateware=inputs.merge(outputs),
+        gateware=replayed.gateware,
     )
-    pairs = zip(shots, estimates, strict=True)
-    return measured, [_stretch(shot, e, estimator, config) for shot, e in pairs]
 
 
 def _windows(
@@ -232,7 +278,7 @@ def _windows(
         raised = [flag.name.lower() for flag in Flag if flag in shot.causes and flag.name]
         windows.append(
             Window(
-                t_s=float(origin_s + Fraction(_pin_tick(shot, config), config.clock_hz)),
+                t_s=float(origin_s + Fraction(pin_tick(shot, config), config.clock_hz)),
                 speed_kmh=estimate.value_kmh,
                 speed_low_kmh=estimate.low_kmh,
                 speed_high_kmh=None if math.isinf(estimate.high_kmh) else estimate.high_kmh,
@@ -240,31 +286,13 @@ def _windows(
                 pulses=shot.pulses,
                 period_ticks=shot.period if shot.period_valid else None,
                 phase_deg=phase_deg(shot),
-                flags=(*raised, *estimate.flags),
+                guarantee=estimate.of,
+                flags=tuple(dict.fromkeys((*raised, *estimate.flags))),
             )
         )
     return tuple(windows)
 
 
-def _pin_tick(shot: Snapshot, config: Config) -> int:
+def pin_tick(shot: Snapshot, config: Config) -> int:
     """The tick before which the pins' changes are in the snapshot."""
     return shot.time + 1 - config.input_delay_ticks
-
-
-def _stretch(shot: Snapshot, estimate: Estimate, estimator: str, config: Config) -> tuple[int, int]:
-    """The ticks of the pins between which lies what a window's estimate speaks of."""
-    if estimate.value_kmh is None:
-        now = _pin_tick(shot, config)
-        return now, now
-    last = shot.time - shot.since_rise - config.input_delay_ticks
-    return last - (shot.period if estimator == "period" else shot.window_ticks), last
-
-
-def _mean_speed_kmh(profile: Profile, stretches_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The true mean speed over each stretch, of an instant the speed then: magnitudes."""
-    start, end = np.clip(stretches_s, 0, profile.duration_s).T
-    span = end - start
-    way = profile.position_m(end) - profile.position_m(start)
-    mean = 3.6 * way / np.where(span > 0, span, 1.0)
-    speed: NDArray[np.float64] = np.abs(np.where(span > 0, mean, profile.speed_kmh(end)))
-    return speed

@@ -19,9 +19,23 @@ from numpy.typing import NDArray
 from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform
 
-__all__ = ["PROFILES", "Profile", "Sensor", "course", "read_profile"]
+__all__ = [
+    "PROFILES",
+    "Floats",
+    "Profile",
+    "Sensor",
+    "constant",
+    "course",
+    "ramp",
+    "read_profile",
+    "run",
+    "shuttle",
+]
 
 Floats = NDArray[np.float64]
+
+MOST_PITCHES = 10_000_000
+"""Of one run: some hundred kilometres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +80,11 @@ class Profile:
         slope = (v[i + 1] - v[i]) / (self.times_s[i + 1] - self.times_s[i])
         way: Floats = self._positions_m[i] + dt * (v[i] + slope * dt / 2)
         return way
+
+    @property
+    def acceleration_m_s2(self) -> float:
+        """The greatest magnitude of the acceleration."""
+        return float(np.abs(np.diff(self.speeds_m_s) / np.diff(self.times_s)).max())
 
     def crossings(self, places_m: Floats) -> Floats:
         """The times, rising, at which the train passes places on the line. Shape (crossings,).
@@ -232,7 +251,7 @@ class Sensor:
         """
         period = Fraction(1, config.clock_hz)
         end = math.ceil(profile.duration_s * config.clock_hz)
-        random = np.random.default_rng(self.seed)
+        random = self._random()
         channels = {}
         for name, lag, dead_s in (
             ("a", 0.0, self.a_dead_s),
@@ -245,24 +264,51 @@ class Sensor:
             channels[name] = Waveform.of(ticks, (np.arange(ticks.size) + high) & 1)
         return Trace(channels, period, 0, end)
 
+    def rises(self, profile: Profile, config: Config, true: bool) -> tuple[Floats, Floats]:
+        """When A rises, s, rising: in the stretches run forward, and in those in reverse.
+
+        true: with the tooth errors, else where each edge should be. Jitter and disturbances are
+        left out.
+        """
+        places = self._places(profile, config, 0.0, self._random(), true)
+        forward, reverse = (places[:, edge] - self.offset for edge in range(2))
+        pitch = config.pitch_m
+        return profile.crossings(forward * pitch), profile.crossings(reverse * pitch)
+
+    def _random(self) -> np.random.Generator:
+        return np.random.default_rng(self.seed)
+
     def _toggles(
         self, profile: Profile, config: Config, lag: float, random: np.random.Generator
     ) -> tuple[int, Floats]:
         """One channel's level at the start and the times of its changes, without disturbances."""
-        pitch = config.pitch_m
-        teeth = self._teeth(profile, pitch)
-        errors = random.uniform(-self.tooth_error, self.tooth_error, (config.pulses_per_rev, 2))
-        rise_fall = teeth[:, None] + lag + np.array([0.0, self.duty])
-        rise_fall = rise_fall + errors[teeth % config.pulses_per_rev]
-        places = rise_fall.ravel()
-        order = np.argsort(places, kind="stable")
-        times = profile.crossings((places[order] - self.offset) * pitch)
+        places = self._places(profile, config, lag, random, True).ravel()
+        times = profile.crossings((np.sort(places) - self.offset) * config.pitch_m)
         behind = int(np.count_nonzero(places <= self.offset))
         return behind & 1, times
+
+    def _places(
+        self,
+        profile: Profile,
+        config: Config,
+        lag: float,
+        random: np.random.Generator,
+        true: bool,
+    ) -> Floats:
+        """Where a channel rises and falls, going forward, in pitches: shape (teeth, 2)."""
+        teeth = self._teeth(profile, config.pitch_m)
+        errors = random.uniform(-self.tooth_error, self.tooth_error, (config.pulses_per_rev, 2))
+        places: Floats = teeth[:, None] + lag + np.array([0.0, self.duty])
+        return places + errors[teeth % config.pulses_per_rev] if true else places
 
     def _teeth(self, profile: Profile, pitch: float) -> NDArray[np.int64]:
         """The teeth from just before the wheel's least to just after its greatest place."""
         way = profile.position_m(profile.times_s) / pitch + self.offset
+        if way.max() - way.min() > MOST_PITCHES:
+            raise ValueError(
+                f"a run must be at most {MOST_PITCHES} pitches long, "
+                f"not {way.max() - way.min():.0f}"
+            )
         return np.arange(math.floor(way.min()) - 3, math.ceil(way.max()) + 3)
 
     def _disturb(self, toggles: Floats, seconds: float, random: np.random.Generator) -> Floats:

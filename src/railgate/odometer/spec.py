@@ -197,7 +197,8 @@ class Config:
             )
         if self.period_min_ticks < 8:
             raise ValueError(
-                f"a period at overspeed must last at least 8 ticks, not {self.period_min_ticks}"
+                f"a period at overspeed_kmh must last at least 8 ticks of clock_hz, "
+                f"not {self.period_min_ticks}"
             )
         if 2 * (self.filter_ticks + 1) > self.period_min_ticks:
             raise ValueError(
@@ -305,6 +306,7 @@ class Assumptions:
     tooth_error: greatest deviation of a rising edge of a from its place, in pitches.
     acceleration_max: greatest acceleration and deceleration of the train, m/s².
     jerk_max: greatest change of the acceleration within one window, m/s³; 0: it is constant.
+    late_ticks: how far a stamp can be behind its edge: 1, of pins sampled coarser before more.
     """
 
     crystal_ppm: float = 100.0
@@ -312,6 +314,7 @@ class Assumptions:
     tooth_error: float = 0.0
     acceleration_max: float = 1.5
     jerk_max: float = 0.0
+    late_ticks: float = 1.0
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -320,6 +323,7 @@ class Assumptions:
             ("tooth_error", 0, 0.25),
             ("acceleration_max", 0.01, 100),
             ("jerk_max", 0, 100),
+            ("late_ticks", 1, 1e9),
         ):
             value = getattr(self, name)
             if not low <= value <= high:

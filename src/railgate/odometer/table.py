@@ -23,6 +23,8 @@ def show(measurement: Measurement) -> RenderableType:
 def _windows(windows: tuple[Window, ...], step: int) -> Table:
     caption = f"one window in {step} is shown; --out and --json have all" if step > 1 else None
     table = Table(caption=caption, caption_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    fine = len(windows) > 1 and windows[1].t_s - windows[0].t_s < 1e-3
+    digits = 6 if fine else 3
     truth = any(window.true_speed_kmh is not None for window in windows)
     for name in ("t/s", "km/h", "at least", "at most", *(["truly"] if truth else [])):
         table.add_column(name, justify="right", no_wrap=True)
@@ -33,7 +35,7 @@ def _windows(windows: tuple[Window, ...], step: int) -> Table:
     for window in windows:
         true = [_number(window.true_speed_kmh, 4)] if truth else []
         table.add_row(
-            f"{window.t_s:.3f}",
+            f"{window.t_s:.{digits}f}",
             _number(window.speed_kmh, 4),
             _number(window.speed_low_kmh, 4),
             _number(window.speed_high_kmh, 4),

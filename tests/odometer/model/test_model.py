@@ -181,18 +181,18 @@ def test_what_does_not_fit_is_refused() -> None:
     other = Trace(good.signals, good.period / 2, 0, 100)
     wide = Trace({"rst": Waveform.of([0], [0], 2)}, good.period, 0, 100)
     for until, stimulus, message in (
-        (9, good, "until must be at least 10, not 9"),
-        (101, good, r"must cover the ticks 10..101, not 0..100"),
-        (20, good.slice(11, 90), r"must cover the ticks 10..20, not 11..90"),
-        (20, good.rename({"rst": "reset"}), 'must be one of strobe, rst, .* not "reset"'),
-        (20, other, "ticks of 1/20000 s, not 1/40000 s"),
-        (20, wide, "rst must be 1 bit wide, not 2"),
+        (9, good, "is at tick 10 already, it cannot run to tick 9"),
+        (101, good, r"must cover ticks 10..101, not 0..100"),
+        (20, good.slice(11, 90), r"must cover ticks 10..20, not 11..90"),
+        (20, good.rename({"rst": "reset"}), 'no input "reset" in odometer; there are: .*strobe, rst'),
+        (20, other, "must last 1/20000 s, not 1/40000 s"),
+        (20, wide, '"rst" must be 1 bit, not 2 bits'),
     ):
         with pytest.raises(ValueError, match=message):
             model.advance(until, stimulus)
-    with pytest.raises(ValueError, match=r'illegal_transitions.*, not "sensor_0.period"'):
+    with pytest.raises(ValueError, match=r'no register "sensor_0.period".*: .*illegal_transitions'):
         model.poke("sensor_0.period", 1)
-    with pytest.raises(ValueError, match=r'sensor_0.*, not "sensor_1.position"'):
+    with pytest.raises(ValueError, match=r'"sensor_1.position" in odometer; there are: sensor_0'):
         model.poke("sensor_1.position", 1)
     with pytest.raises(ValueError, match="between -128 and 127, not 128"):
         model.poke("sensor_0.position", 128)

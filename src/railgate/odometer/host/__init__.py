@@ -2,6 +2,10 @@
 
 from railgate.odometer.host.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
 from railgate.odometer.host.estimators import (
+    MEAN,
+    MIDDLE,
+    PRESENT,
+    WEIGHTED,
     Estimate,
     Scale,
     least_squares,
@@ -28,6 +32,10 @@ from railgate.odometer.host.wheel import ESTIMATORS, Wheel
 
 __all__ = [
     "ESTIMATORS",
+    "MEAN",
+    "MIDDLE",
+    "PRESENT",
+    "WEIGHTED",
     "Axle",
     "Counts",
     "Estimate",

@@ -15,6 +15,10 @@ from railgate.odometer.host.readout import Snapshot
 from railgate.odometer.spec import Assumptions, Config
 
 __all__ = [
+    "MEAN",
+    "MIDDLE",
+    "PRESENT",
+    "WEIGHTED",
     "Estimate",
     "Scale",
     "least_squares",
@@ -25,6 +29,11 @@ __all__ = [
     "reciprocal",
     "weighted_paces",
 ]
+
+MEAN = "mean speed between the first and the last rising edge of a"
+WEIGHTED = "pitch over the parabola-weighted mean of the window's periods"
+MIDDLE = "speed midway between the first and the last rising edge of a"
+PRESENT = "speed at the strobe"
 
 OUTWARD = 2.0**-44
 """Relative widening of every interval: more than the roundings of the few operations behind it."""
@@ -92,15 +101,15 @@ class Scale:
 
     def interval(self, pace_low: float, pace_high: float) -> tuple[float, float]:
         """The guaranteed speeds, km/h, of nominal paces, ticks per pitch; a pace may be inf."""
-        return self.unit_kmh / pace_high * self.low, self.unit_kmh / pace_low * self.high
+        fastest = self.unit_kmh / pace_low * self.high if pace_low > 0 else math.inf
+        return self.unit_kmh / pace_high * self.low, fastest
 
     def premises(self, *further: str) -> tuple[str, ...]:
         """What an interval rests on, in words."""
         assumed = self.assumptions
-        words = [
-            "no edge lost or false, each stamped less than 1 tick late",
-            "no reversal between them",
-        ]
+        late = "1 tick" if assumed.late_ticks == 1 else f"{assumed.late_ticks:g} ticks"
+        words = [f"no edge lost or false, each stamped less than {late} late"]
+        words.append("no reversal between them")
         words.append(f"clock within ±{assumed.crystal_ppm:g} ppm")
         words.append(f"wheel diameter within ±{1e3 * assumed.diameter_tolerance_m:g} mm")
         words.append(f"rising edges of a within ±{assumed.tooth_error:g} pitch of their places")
@@ -111,37 +120,38 @@ class Scale:
         return f"acceleration within ±{self.assumptions.acceleration_max:g} m/s²"
 
 
-def mean_paces(n: int, ticks: int, tooth: float) -> tuple[float, float]:
+def mean_paces(n: int, ticks: int, tooth: float, late: float = 1.0) -> tuple[float, float]:
     """The mean pace between two edges n pitches ± 2·tooth apart, stamped `ticks` apart.
 
-    Each stamp is late by less than a tick, so the time is in (ticks - 1, ticks + 1) (ODO-3).
+    Each stamp is less than `late` ticks behind its edge, so the time is in (ticks - late,
+    ticks + late) (ODO-3).
     """
-    return (ticks - 1) / (n + 2 * tooth), (ticks + 1) / (n - 2 * tooth)
+    return max(ticks - late, 0.0) / (n + 2 * tooth), (ticks + late) / (n - 2 * tooth)
 
 
 def weighted_paces(
-    n: int, ticks: int, pace: float, tooth: float, acceleration: float
+    n: int, ticks: int, pace: float, tooth: float, acceleration: float, late: float = 1.0
 ) -> tuple[float, float]:
     """The parabola-weighted mean pace of n periods, whose least-squares pace (Ω) is `pace`.
 
     Ω = Σ w_k s_k, w_k = 12(k - n/2) / (n(n+1)(n+2)), k = 0 … n. Σ w_k = 0, and summed by parts Ω is
     Σ W_j (s_j - s_{j-1}) with W_j = 6 j(n+1-j) / (n(n+1)(n+2)) ≥ 0, ΣW_j = 1: the mean of the
-    periods under a parabola. It is off by Σ w_k ε_k, ε_k in [0, 1) the stamps' lateness; about the
-    middle, ε_k - ½, that is less than ½Σ|w_k|: 3 / (2(n+1)) ticks where n is even,
-    3(n+1) / (2n(n+2)) where it is odd.
+    periods under a parabola. It is off by Σ w_k ε_k, ε_k in [0, late) the stamps' lateness; about
+    its middle that is less than ½Σ|w_k|·late: 3 / (2(n+1)) · late where n is even,
+    3(n+1) / (2n(n+2)) · late where it is odd.
 
     With tooth error, edge k is met at most tooth · (greatest pace nearby) beside the instant of its
     place, which adds Σ|w_k| · tooth · that pace. The greatest pace rests on `acceleration`, pitches
     per tick²: somewhere between the edges the speed v is the mean one, and v² changes by at most
     2 · acceleration · way, the way being less than n + 4·tooth pitches. Where that leaves no speed
-    at all the pace is unbounded, inf. The mean of the periods itself also lies within these paces.
+    at all the pace is unbounded, inf.
     """
-    half = 3 * (n + 1) / (2 * n * (n + 2)) if n % 2 else 3 / (2 * (n + 1))
+    half = late * (3 * (n + 1) / (2 * n * (n + 2)) if n % 2 else 3 / (2 * (n + 1)))
     if tooth == 0.0:
-        return pace - half, pace + half
-    fast, slow = mean_paces(n, ticks, tooth)
+        return max(pace - half, 0.0), pace + half
+    fast, slow = mean_paces(n, ticks, tooth, late)
     change = 2 * acceleration * (n + 4 * tooth)
-    pace_min = 1 / math.sqrt(1 / fast**2 + change)
+    pace_min = fast / math.sqrt(1 + change * fast**2)
     if 1 / slow**2 <= change:
         return pace_min, math.inf
     pace_max = 1 / math.sqrt(1 / slow**2 - change)
@@ -152,12 +162,13 @@ def weighted_paces(
 def mean_speed(n: int, ticks: int, scale: Scale) -> Estimate:
     """The mean speed between two rising edges of a, n ≥ 1 pitches and `ticks` > 1 apart (Π).
 
-    Each stamp's lateness is even over a tick: the variance of their difference is 1/6 tick².
+    Each stamp's lateness is even over its range: the variance of their difference is late²/6.
     """
+    assumed = scale.assumptions
     value = scale.unit_kmh * n / ticks
-    interval = scale.interval(*mean_paces(n, ticks, scale.assumptions.tooth_error))
-    of = "mean speed between the first and the last rising edge of a"
-    return Estimate(value, *interval, value / math.sqrt(6) / ticks, of, scale.premises())
+    interval = scale.interval(*mean_paces(n, ticks, assumed.tooth_error, assumed.late_ticks))
+    std = value * assumed.late_ticks / math.sqrt(6) / ticks
+    return Estimate(value, *interval, std, MEAN, scale.premises())
 
 
 def one_period(snapshot: Snapshot, scale: Scale) -> Estimate:
@@ -181,19 +192,18 @@ def least_squares(snapshot: Snapshot, scale: Scale) -> Estimate:
     """Ω: the least-squares period over the window; `present` where it has none (ODO-10).
 
     6[(n+2)A - 2B] / (n(n+1)(n+2)), in integers up to the one division. Its variance is
-    12σ² / (N(N²-1)), N = n + 1 edges, σ² = 1/12 tick² of each stamp.
+    12σ² / (N(N²-1)), N = n + 1 edges, σ² = late²/12 of each stamp.
     """
     n = snapshot.window_n
     if not n:
         return present(snapshot, scale)
     pace = 6 * ((n + 2) * snapshot.sum_a - 2 * snapshot.sum_b) / (n * (n + 1) * (n + 2))
-    tooth = scale.assumptions.tooth_error
-    paces = weighted_paces(n, snapshot.window_ticks, pace, tooth, scale.acceleration)
+    tooth, late = scale.assumptions.tooth_error, scale.assumptions.late_ticks
+    paces = weighted_paces(n, snapshot.window_ticks, pace, tooth, scale.acceleration, late)
     value = scale.unit_kmh / pace
-    std = value / pace / math.sqrt((n + 1) * ((n + 1) ** 2 - 1))
-    of = "pitch over the parabola-weighted mean of the window's periods"
+    std = value * late / pace / math.sqrt((n + 1) * ((n + 1) ** 2 - 1))
     rests_on = scale.premises(*([scale.premise_acceleration] if tooth else []))
-    return Estimate(value, *scale.interval(*paces), std, of, rests_on)
+    return Estimate(value, *scale.interval(*paces), std, WEIGHTED, rests_on)
 
 
 def _trailing_kmh(snapshot: Snapshot, scale: Scale) -> float:
@@ -207,7 +217,7 @@ def _trailing_kmh(snapshot: Snapshot, scale: Scale) -> float:
     delay = scale.config.input_delay_ticks
     a = scale.assumptions.acceleration_max
     way = scale.pitch_max_m * (1 + 2 * scale.assumptions.tooth_error)
-    quiet_s = max(snapshot.since_rise - delay - 1, 0) * scale.tick_min_s
+    quiet_s = max(snapshot.since_rise - delay - scale.assumptions.late_ticks, 0) * scale.tick_min_s
     if not quiet_s:
         return math.inf
     best_s = min(quiet_s, math.sqrt(2 * way / a))
@@ -222,7 +232,7 @@ def present(snapshot: Snapshot, scale: Scale) -> Estimate:
     changed by at most a_max times the time since the first of them. Whatever the edges say, the
     time since the last of them bounds it from above. low_kmh is 0 and high_kmh inf where neither
     says anything: before the first edges, and right after one that ends nothing. Where the bounds
-    contradict one another the wheel changed its speed faster: flagged `infeasible`, and the
+    contradict one another the wheel changed its speed faster: flagged `contradiction`, and the
     interval spans what lies between them.
     """
     low, high = 0.0, _trailing_kmh(snapshot, scale)
@@ -232,11 +242,12 @@ def present(snapshot: Snapshot, scale: Scale) -> Estimate:
     if snapshot.since_rise >= scale.config.period_max:
         spans = []
     for n, ticks in spans:
-        ago = ticks + snapshot.since_rise + 1 + scale.config.input_delay_ticks
+        ago = ticks + snapshot.since_rise + scale.assumptions.late_ticks
+        ago += scale.config.input_delay_ticks
         change = 3.6 * scale.assumptions.acceleration_max * ago * scale.tick_max_s * (1 + OUTWARD)
         mean = mean_speed(n, ticks, scale)
         low, high = max(low, mean.low_kmh - change), min(high, mean.high_kmh + change)
-    flags = ("infeasible",) if low > high else ()
+    flags = ("contradiction",) if low > high else ()
     low, high = min(low, high), max(low, high)
-    of, rests_on = "wheel speed at the strobe", scale.premises(scale.premise_acceleration)
-    return Estimate(None, low, high, None, of, rests_on, flags)
+    rests_on = scale.premises(scale.premise_acceleration)
+    return Estimate(None, low, high, None, PRESENT, rests_on, flags)

@@ -1,8 +1,9 @@
 """The feasible set of all stamps: every trajectory that fits them bounds the speed (ODO-14).
 
 A wheel of constant acceleration is at x(t) = x_0 + v·t + a·t²/2, |a| ≤ a_max. Rising edge k of a is
-met within ±tooth pitches of its place k, at an instant in (s_k - 1, s_k], s_k its stamp. Because x
-rises, that means x(s_k - 1) ≤ k + tooth and x(s_k) ≥ k - tooth: half-spaces in (x_0, v, a). The
+met within ±tooth pitches of its place k, at an instant in (s_k - l, s_k], s_k its stamp and l the
+ticks a stamp can be late, 1 unless the pins were sampled coarser before. Because x rises, that
+means x(s_k - l) ≤ k + tooth and x(s_k) ≥ k - tooth: half-spaces in (x_0, v, a). The
 least and the greatest speed at the window's middle over all that fits are two linear programs in
 three unknowns.
 
@@ -11,12 +12,12 @@ phase) that nothing vouches for, so that each would add an unknown.
 
 **Residuals.** With D = s_n - s_0 and r_k = k·D - n·(s_k - s_0), an exact integer, what is left of x
 beside the line through the first and the last stamp, in ticks, is y(z) = α + β·z + γ·z², where z
-runs from -1 at the tick before s_0 to 1 at s_n. The half-spaces are
+runs from -1 at s_0 - l to 1 at s_n. The half-spaces are
 
     y(z of s_k)     ≥ r_k/n - w_k          w_k = tooth and jerk in ticks
-    y(z of s_k - 1) ≤ r_k/n + 1 + w_k      |γ| ≤ Γ, from a_max
+    y(z of s_k - l) ≤ r_k/n + l + w_k      |γ| ≤ Γ, from a_max
 
-and the speed in the middle is n/D · (1 + β / h), h = (D + 1)/2 ticks. All numbers are small, so
+and the speed in the middle is n/D · (1 + β / h), h = (D + l)/2 ticks. All numbers are small, so
 that nothing is lost to rounding.
 
 **Jerk.** An acceleration that changes by up to j within the window moves the wheel at most
@@ -39,7 +40,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from railgate.odometer.host.estimators import Estimate, Scale, mean_speed
+from railgate.odometer.host.estimators import MIDDLE, Estimate, Scale, mean_speed
 from railgate.waves.waveform import Ticks
 
 __all__ = ["feasible", "speed_bounds"]
@@ -53,11 +54,11 @@ Floats = NDArray[np.float64]
 
 
 @njit(cache=True)
-def _half_spaces(stamps: Ticks, tooth: float, acceleration: float, jerk: float) -> Any:
+def _half_spaces(stamps: Ticks, tooth: float, acceleration: float, jerk: float, late: float) -> Any:
     """z and b of the half-spaces: first n + 1 from below, then n + 1 from above, and Γ."""
     n = stamps.size - 1
     D = stamps[n] - stamps[0]
-    h = (D + 1) / 2
+    h = (D + late) / 2
     per_pitch = D / n
     z, b = np.empty(2 * n + 2), np.empty(2 * n + 2)
     for k in range(n + 1):
@@ -65,11 +66,11 @@ def _half_spaces(stamps: Ticks, tooth: float, acceleration: float, jerk: float) 
         residual = (k * D - n * s) / n
         for above in range(2):
             at = k + above * (n + 1)
-            doubled = 2 * (s - above) - (D - 1)
-            z[at] = doubled / (D + 1)
+            doubled = 2 * (s - above * late) - (D - late)
+            z[at] = doubled / (D + late)
             tau = abs(doubled) / 2
             width = (tooth + jerk * tau**3 / 6) * per_pitch
-            b[at] = residual + 1 + width if above else width - residual
+            b[at] = residual + late + width if above else width - residual
     return z, b, acceleration / 2 * h * h * per_pitch
 
 
@@ -154,26 +155,29 @@ def _greatest(z: Floats, limit: Floats, first: int, last: int, beta_most: float)
 
 
 @njit(cache=True)
-def speed_bounds(stamps: Ticks, tooth: float, acceleration: float, jerk: float) -> Any:
+def speed_bounds(
+    stamps: Ticks, tooth: float, acceleration: float, jerk: float, late: float = 1.0
+) -> Any:
     """The nominal speed at the window's middle, pitches per tick: (low, high, empty).
 
     stamps: int64, rising, shape (n + 1,), n ≥ 1. acceleration, jerk: as in Scale.
+    late: how far a stamp can be behind its edge, ticks.
     """
     edges = stamps.size
     D = stamps[edges - 1] - stamps[0]
-    z, b, gamma_most = _half_spaces(stamps, tooth, acceleration, jerk)
+    z, b, gamma_most = _half_spaces(stamps, tooth, acceleration, jerk, late)
     limit = np.append(b, np.array([gamma_most, gamma_most]))
     up = (limit[2 * edges - 1] + limit[0]) / (z[2 * edges - 1] - z[0])
     down = (limit[edges] + limit[edges - 1]) / (z[edges - 1] - z[edges])
     most = max(up, down) * (1 + ROUNDINGS)
     high, none = _greatest(z, limit, 2 * edges - 1, 0, most)
     low, nothing = _greatest(-z, limit, edges, edges - 1, most)
-    mean, h = (edges - 1) / D, (D + 1) / 2
-    return mean * (1 - low / h), mean * (1 + high / h), none or nothing or low + high < 0
+    mean, h = (edges - 1) / D, (D + late) / 2
+    return mean * max(1 - low / h, 0.0), mean * (1 + high / h), none or nothing or low + high < 0
 
 
 def feasible(edges: Ticks, scale: Scale) -> Estimate:
-    """The speed at the window's middle, midway from the first stamp less a tick to the last.
+    """The speed at the window's middle, midway from the first stamp less its lateness to the last.
 
     edges: stamps of successive rising edges of a without a reversal, shape (n + 1,), n ≥ 1. Where
     nothing fits them (the acceleration was greater or not constant enough, an edge false or
@@ -183,7 +187,11 @@ def feasible(edges: Ticks, scale: Scale) -> Estimate:
         raise ValueError(f"a feasible set needs at least 2 edges, not {edges.size}")
     assumed = scale.assumptions
     low, high, empty = speed_bounds(
-        np.ascontiguousarray(edges, np.int64), assumed.tooth_error, scale.acceleration, scale.jerk
+        np.ascontiguousarray(edges, np.int64),
+        assumed.tooth_error,
+        scale.acceleration,
+        scale.jerk,
+        assumed.late_ticks,
     )
     if empty:
         mean = mean_speed(edges.size - 1, int(edges[-1] - edges[0]), scale)
@@ -193,7 +201,7 @@ def feasible(edges: Ticks, scale: Scale) -> Estimate:
         low_kmh=scale.unit_kmh * low * scale.low,
         high_kmh=scale.unit_kmh * high * scale.high,
         std_kmh=None,
-        of="speed at the window's middle",
+        of=MIDDLE,
         rests_on=scale.premises(
             f"acceleration constant over the window, within ±{assumed.acceleration_max:g} m/s²"
             if not assumed.jerk_max

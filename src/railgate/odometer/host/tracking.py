@@ -19,11 +19,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from railgate.odometer.host.estimators import Estimate, Scale, present
+from railgate.odometer.host.estimators import PRESENT, Estimate, Scale, present
 from railgate.odometer.host.readout import Snapshot, between
 from railgate.odometer.spec import Assumptions, Config
 
-__all__ = ["Axle", "Train", "TrainSpeed"]
+__all__ = ["STANDSTILL_S", "Axle", "Train", "TrainSpeed"]
+
+STANDSTILL_S = 2.0
 
 
 class Axle:
@@ -35,7 +37,9 @@ class Axle:
     Raises ValueError if standstill_s is beyond what `since_edge` can count.
     """
 
-    def __init__(self, config: Config, assumptions: Assumptions, standstill_s: float = 2.0) -> None:
+    def __init__(
+        self, config: Config, assumptions: Assumptions, standstill_s: float = STANDSTILL_S
+    ) -> None:
         self.config = config
         self.scale = Scale(config, assumptions)
         longest = config.period_max * self.scale.tick_min_s
@@ -49,8 +53,8 @@ class Axle:
     def update(self, snapshot: Snapshot) -> Estimate:
         """The train's speed at the strobe as this axle tells it: an interval, never a value.
 
-        flags: `slide_or_lost`, `spin`; `infeasible`, see `present`; `wheel_standstill`, no edge for
-        standstill_s. Snapshots may be left out between two updates.
+        flags: `slide_or_lost`, `spin`; `contradiction`, see `present`; `wheel_standstill`, no edge
+        for standstill_s. Snapshots may be left out between two updates.
         """
         now = present(snapshot, self.scale)
         ceiling = now.high_kmh
@@ -71,14 +75,14 @@ class Axle:
         floor, ceiling = max(then.low_kmh - change, 0.0), ceiling + change
         slid = "slide_or_lost" in then.flags
         braked = then.high_kmh - rate_kmh * self.scale.tick_min_s
-        infeasible = "infeasible" in now.flags
-        slowest = now.low_kmh if infeasible else now.high_kmh  # the lesser of what contradicts
+        contradiction = "contradiction" in now.flags
+        slowest = now.low_kmh if contradiction else now.high_kmh  # the lesser of what contradicts
         if slowest < floor or (slid and not counts.pulses):
             held = max(slowest, braked, floor)
             return self._off(now, "slide_or_lost", floor, held), held
         if slid:
             return now, now.high_kmh
-        if infeasible:
+        if contradiction:
             return replace(now, low_kmh=floor, high_kmh=max(now.high_kmh, braked)), ceiling
         if now.low_kmh > ceiling:
             return self._off(now, "spin", floor, now.high_kmh), ceiling
@@ -94,7 +98,7 @@ class Axle:
             now,
             low_kmh=low_kmh,
             high_kmh=high_kmh,
-            of="train speed at the strobe",
+            of=PRESENT,
             rests_on=(*now.rests_on, *further),
             flags=(flag,),
         )
@@ -119,7 +123,11 @@ class Train:
     """A train of one or more axles, strobe by strobe. Parameters as of Axle."""
 
     def __init__(
-        self, config: Config, assumptions: Assumptions, axles: int = 2, standstill_s: float = 2.0
+        self,
+        config: Config,
+        assumptions: Assumptions,
+        axles: int = 2,
+        standstill_s: float = STANDSTILL_S,
     ) -> None:
         if axles < 1:
             raise ValueError(f"axles must be at least 1, not {axles}")

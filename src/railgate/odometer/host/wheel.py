@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from railgate.odometer.host.estimators import (
+    MEAN,
+    MIDDLE,
+    WEIGHTED,
     Estimate,
     Scale,
     least_squares,
@@ -15,7 +18,7 @@ from railgate.odometer.host.estimators import (
 )
 from railgate.odometer.host.feasible import feasible
 from railgate.odometer.host.readout import Snapshot, Stamps, window_edges
-from railgate.odometer.host.tracking import Axle
+from railgate.odometer.host.tracking import STANDSTILL_S, Axle
 from railgate.odometer.spec import Assumptions, Config
 
 __all__ = ["ESTIMATORS", "Wheel"]
@@ -46,13 +49,14 @@ def _feasible(snapshot: Snapshot, stamps: Stamps | None, scale: Scale) -> Estima
     return feasible(edges, scale)
 
 
-ESTIMATORS: dict[str, Estimator] = {
-    "period": _period,
-    "pi": _pi,
-    "omega": _omega,
-    "feasible": _feasible,
+ESTIMATORS: dict[str, tuple[Estimator, str]] = {
+    "period": (_period, MEAN),
+    "pi": (_pi, MEAN),
+    "omega": (_omega, WEIGHTED),
+    "feasible": (_feasible, MIDDLE),
 }
-"""The estimators by name: the last period (the source's), Π, Ω, the feasible set of all stamps."""
+"""Estimators by name, and what their interval holds. The last period (the source's), Π, Ω, the
+feasible set of all stamps."""
 
 
 class Wheel:
@@ -61,8 +65,9 @@ class Wheel:
     def __init__(self, config: Config, assumptions: Assumptions, estimator: str = "pi") -> None:
         if estimator not in ESTIMATORS:
             raise ValueError(f"estimator must be one of {', '.join(ESTIMATORS)}, not {estimator}")
-        self._axle = Axle(config, assumptions)
-        self._estimator = ESTIMATORS[estimator]
+        countable_s = config.period_max / config.clock_hz / 2
+        self._axle = Axle(config, assumptions, min(STANDSTILL_S, countable_s))
+        self._estimator, _ = ESTIMATORS[estimator]
 
     def update(self, snapshot: Snapshot, stamps: Stamps | None = None) -> Estimate:
         """The estimate of a window; where it holds no measurement, the interval at the strobe.

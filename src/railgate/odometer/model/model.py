@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railgate.engines.signals import Port, Register, check, poked
 from railgate.odometer.model.inputs import NO_TICKS, Input, stretches
 from railgate.odometer.model.kernel import SNAPSHOT, edges, limits, new_sensor, run
 from railgate.odometer.model.snapshots import Columns, busy, gates
@@ -22,6 +23,8 @@ from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Ticks
 
 __all__ = ["Model"]
+
+NAME = "odometer"
 
 Changes = tuple[Ticks, NDArray[Any]]
 
@@ -93,25 +96,25 @@ class Model:
         self._common, self._fields = Columns(config.common_fields), Columns(config.sensor_fields)
         pins = ("a", "b", "stamps.ready") if config.stamp_depth else ("a", "b")
         names = [f"sensor.{i}.{pin}" for i in range(config.sensors) for pin in pins]
-        self._reset(0, 0, dict.fromkeys(("strobe", "rst", *names), 0))
+        names += ["strobe", "rst"]
+        self._inputs = [Port(name, 1, False, False, tuple(name.split("."))) for name in names]
+        self._registers = _registers(config)
+        self._reset(0, 0, dict.fromkeys(names, 0))
 
     @property
     def now(self) -> int:
         return self._state.now
 
+    @property
+    def registers(self) -> tuple[str, ...]:
+        """The names that `poke` takes: spec.STATE of each sensor."""
+        return tuple(self._registers)
+
     def poke(self, name: str, value: int) -> None:
         """Force a register, as `sensor_0.position`. Raises ValueError."""
+        poked(self._registers, NAME, name, value)
         sensor, _, register = name.partition(".")
-        there = [f"sensor_{i}" for i in range(self._config.sensors)]
-        if sensor not in there or register not in STATE:
-            known = f"{there[0]} … {there[-1]}, each with {', '.join(STATE)}"
-            raise ValueError(f'a register to poke must be one of {known}, not "{name}"')
-        of = next(f for f in self._config.sensor_fields if f.name == register)
-        low = -(1 << of.width - 1) if of.signed else 0
-        if not low <= value < low + (1 << of.width):
-            high = low + (1 << of.width) - 1
-            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
-        self._state.sensors[there.index(sensor)].record[register] = value
+        self._state.sensors[int(sensor.removeprefix("sensor_"))].record[register] = value
 
     def checkpoint(self) -> Any:
         return self._config, copy.deepcopy(self._state)
@@ -125,7 +128,7 @@ class Model:
 
     def advance(self, until: int, stimulus: Trace) -> Trace:
         """Run the ticks now ≤ k < until. Raises ValueError."""
-        self._check(until, stimulus)
+        check(stimulus, NAME, self._period, self.now, until, self._inputs)
         state, start = self._state, self.now
         inputs = {name: Input(level, NO_TICKS) for name, level in state.held.items()}
         if until > start:
@@ -140,25 +143,6 @@ class Model:
                     parts.append(self._part(end, end, []))
         self._state.held, self._state.now = held, until
         return Trace(self._waves(parts), self._period, start, until)
-
-    def _check(self, until: int, stimulus: Trace) -> None:
-        if until < self.now:
-            raise ValueError(f"until must be at least {self.now}, not {until}")
-        if stimulus.period != self._period:
-            raise ValueError(
-                f"a stimulus must have ticks of {self._period} s, not {stimulus.period} s"
-            )
-        if not stimulus.start <= self.now <= until <= stimulus.end:
-            raise ValueError(
-                f"a stimulus must cover the ticks {self.now}..{until}, "
-                f"not {stimulus.start}..{stimulus.end}"
-            )
-        known = self._state.held
-        for name, wave in stimulus.signals.items():
-            if name not in known:
-                raise ValueError(f'an input must be one of {", ".join(known)}, not "{name}"')
-            if wave.width != 1:
-                raise ValueError(f"{name} must be 1 bit wide, not {wave.width}")
 
     def _reset(self, end: int, origin: int, held: dict[str, int]) -> None:
         """All as at start: reset in the ticks end - 1 … origin - 1, of which the last is 0 again.
@@ -263,6 +247,12 @@ class Model:
                     at, np.maximum(what, 0), PAYLOAD_BITS
                 )
         return waves
+
+
+def _registers(config: Config) -> dict[str, Register]:
+    shapes = {of.name: (of.width, of.signed) for of in config.sensor_fields}
+    names = [(f"sensor_{i}.{name}", name) for i in range(config.sensors) for name in STATE]
+    return {path: Register(path, *shapes[name]) for path, name in names}
 
 
 def flag_overflow(record: Any, rows: Any, opened: Ticks, dropped: Ticks) -> None:
