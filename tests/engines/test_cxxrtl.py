@@ -16,7 +16,7 @@ from amaranth.lib.wiring import In, Out
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railgate.engines import Clock, Design, compiler
+from railgate.engines import Clock, Design, Engine, compiler
 from railgate.engines.cxxrtl import Cxxrtl
 from railgate.engines.pysim import PySim
 from railgate.waves import Trace, Waveform
@@ -179,6 +179,38 @@ def test_an_unknown_register_is_an_error_that_names_those_there_are() -> None:
         Cxxrtl(MIXED).poke("totl", 1)
     with pytest.raises(ValueError, match='"at" must be between 0 and 15, not 16'):
         Cxxrtl(MIXED).poke("at", 16)
+
+
+@pytest.mark.parametrize("design", [MIXED, CROSSING], ids=["mixed", "crossing"])
+def test_the_same_registers_can_be_poked_as_in_the_reference(design: Design) -> None:
+    compiled, reference = Cxxrtl(design), PySim(design)
+    assert compiled.registers
+    assert compiled.registers == reference.registers
+
+
+@pytest.mark.parametrize("kind", [Cxxrtl, PySim])
+def test_a_poke_out_of_range_is_refused_and_one_at_its_end_is_not(kind: type[Engine]) -> None:
+    engine: Any = kind(MIXED)
+    for name, low, high in (("at", 0, 15), ("total", -(1 << 32), (1 << 32) - 1)):
+        for value in (low, high):
+            engine.poke(name, value)
+        for value in (low - 1, high + 1):
+            with pytest.raises(
+                ValueError, match=f'"{name}" must be .* {low} and {high}, not {value}'
+            ):
+                engine.poke(name, value)
+    assert engine.advance(1, trace(MIXED, {}, 1))["sum"].values.tolist() == [(1 << 32) - 1]
+
+
+@pytest.mark.parametrize("kind", [Cxxrtl, PySim])
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_checkpoint_of_other_clocks_is_refused(kind: Any, swapped: bool) -> None:
+    here, there = (COINCIDENT, CROSSING) if swapped else (CROSSING, COINCIDENT)
+    engine, end = kind(here), 10**9
+    with pytest.raises(ValueError, match="a checkpoint must be of crossing"):
+        engine.restore(kind(there).checkpoint())
+    idle = trace(here, {}, end)
+    assert engine.advance(end, idle) == kind(here).advance(end, idle)
 
 
 @pytest.mark.parametrize(("design", "end"), [(MIXED, 100), (CROSSING, 2_000_000_000)])

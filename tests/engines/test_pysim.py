@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 import pytest
-from amaranth.hdl import Module, Signal, signed
+from amaranth.hdl import ClockDomain, ClockSignal, Module, Signal, signed
 from amaranth.lib import wiring
 from amaranth.lib.memory import Memory
 from amaranth.lib.wiring import In, Out
@@ -225,6 +225,51 @@ def test_a_domain_without_a_clock_is_an_error():
     design = Design(name="exchange", component=Exchange, clocks=(Clock(frequency_hz=HZ),))
     with pytest.raises(ValueError, match="a clock for each domain, not none for other"):
         PySim(design)
+
+
+class Inner(wiring.Component):
+    """A counter in a domain that the component makes itself."""
+
+    def __init__(self, domain):
+        super().__init__({"count": Out(4)})
+        self._domain = domain
+
+    def elaborate(self, _platform):
+        m = Module()
+        m.domains += self._domain
+        m.d.comb += self._domain.clk.eq(ClockSignal("sync"))
+        m.d[self._domain.name] += self.count.eq(self.count + 1)
+        m.submodules.inner = Accumulator()
+        return m
+
+
+@pytest.mark.parametrize("more", [{"clk_edge": "neg"}, {"local": True}, {}])
+def test_a_domain_of_the_components_own_is_refused(more):
+    design = Design(
+        name="inner",
+        component=lambda: Inner(ClockDomain("own", **more)),
+        clocks=(Clock(frequency_hz=HZ), Clock(domain="own", frequency_hz=HZ)),
+    )
+    with pytest.raises(ValueError, match=r"must have no domains but .* not its own own"):
+        PySim(design)
+
+
+def test_a_port_that_is_too_wide_is_named():
+    class Wide(wiring.Component):
+        word: Out(512)
+
+        def elaborate(self, _platform):
+            return Module()
+
+    design = Design(name="wide", component=Wide, clocks=(Clock(frequency_hz=HZ),))
+    with pytest.raises(ValueError, match='"word" must be at most 64 bits wide, not 512'):
+        PySim(design)
+
+
+def test_a_run_ends_before_its_ticks_leave_64_bits():
+    end = 2**63 - 2**58 + 1
+    with pytest.raises(ValueError, match=f"must end at tick {end - 1} at the latest, not {end}"):
+        PySim(accumulator).advance(end, nothing(accumulator, end))
 
 
 @pytest.mark.parametrize(

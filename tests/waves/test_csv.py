@@ -2,6 +2,7 @@
 
 import math
 import re
+import time
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -73,9 +74,15 @@ def test_every_row_is_read_exactly(tmp_path_factory, data):
 
 
 def test_a_channel_is_as_wide_as_its_values(tmp_path):
-    trace = read(written(tmp_path, "t,a,b,c,d\n0,0,7,-1,-8\n1,0,8,0,7\n"))
+    trace = read(written(tmp_path, "t,a,b,c,d,e\n0,0,7,-1,-8,-8\n1,0,8,0,7,-8\n"))
     kinds = {name: (wave.width, wave.signed) for name, wave in trace.signals.items()}
-    assert kinds == {"a": (1, False), "b": (4, False), "c": (1, True), "d": (4, True)}
+    assert kinds == {
+        "a": (1, False),
+        "b": (4, False),
+        "c": (1, True),
+        "d": (4, True),
+        "e": (4, True),
+    }
 
 
 def test_rows_of_several_blocks_are_one_signal(tmp_path):
@@ -154,3 +161,12 @@ def test_a_damaged_table_reads_or_is_refused(tmp_path_factory, data):
     except ValueError as error:
         trace, message = None, str(error)
     assert isinstance(trace, Trace) or "\n" not in message
+
+
+def test_many_columns_take_linear_time(tmp_path):
+    names = [f"c{index}" for index in range(20_000)]
+    path = written(tmp_path, ",".join(["t", *names]) + "\n")
+    began = time.process_time()
+    refused(path, 'no channel "x"', [*names, "x"])
+    refused(written(tmp_path, ",".join(["t", *names, names[-1]])), 'not twice "c19999"')
+    assert time.process_time() - began < 1

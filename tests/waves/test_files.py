@@ -94,3 +94,12 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
         pass
     with pytest.raises(ValueError, match="cannot be written: Is a directory"), replacing(tmp_path):
         pass
+
+
+def test_no_control_sequence_of_a_file_reaches_the_terminal(tmp_path):
+    (tmp_path / "a.csv").write_text("t,\x1b[2J\u202eevil\n0,1\n")
+    with pytest.raises(
+        ValueError, match=re.escape('no channel "x"; there are: ?[2J?evil')
+    ) as caught:
+        read(tmp_path / "a.csv", ["x"])
+    assert str(caught.value).isprintable()

@@ -39,7 +39,11 @@ def traces(draw):
             draw(st.one_of(st.sampled_from([low, high]), st.integers(low, high))) for _ in ticks
         ]
         signals[name] = Waveform.of(ticks, values, width, signed)
-    period = draw(st.fractions(Fraction(1, 1 << 80), 1 << 80).filter(bool))
+    period = draw(
+        st.fractions(Fraction(1, 1 << 80), 1 << 80).filter(
+            lambda p: max(p.numerator, p.denominator) < 10**40
+        )
+    )
     return Trace(signals, period, start, end)
 
 
@@ -113,6 +117,12 @@ def test_a_table_that_another_program_wrote_with_the_metadata_reads(tmp_path):
         ({}, {}, "the metadata are damaged: KeyError('signals')"),
         ([], {}, "the metadata are damaged"),
         ({**ABOUT, "period": "1/0"}, {}, "the metadata are damaged: ZeroDivisionError"),
+        ({**ABOUT, "period": "1e10000000"}, {}, "the metadata are damaged"),
+        ({**ABOUT, "period": "1/" + "9" * 41}, {}, "the metadata are damaged"),
+        ({**ABOUT, "period": 1}, {}, "the metadata are damaged"),
+        ({**ABOUT, "end": 5.5}, {}, "the metadata are damaged"),
+        ({**ABOUT, "end": "5"}, {}, "the metadata are damaged"),
+        ({**ABOUT, "end": 1 << 63}, {}, "ticks must fit 64 bits"),
         ({**ABOUT, "period": "0"}, {}, "period must be above 0 s"),
         ({**ABOUT, "start": 1}, {}, "must begin at the trace's start, tick 1, not 0"),
         ({**ABOUT, "end": 1}, {}, "must end before the trace's end, tick 1, not 1"),
@@ -162,3 +172,30 @@ def test_a_damaged_file_reads_or_is_refused(tmp_path_factory, data):
     except ValueError as error:
         trace, message = None, str(error)
     assert isinstance(trace, Trace) or "\n" not in message
+
+
+def test_a_name_in_every_row_takes_memory_once(tmp_path):
+    name, rows = "n" * 10_000, 1 << 12
+    about = {**ABOUT, "end": rows, "signals": [{"name": name, "width": 1, "signed": False}]}
+    table = pa.table(
+        {
+            "signal": [name] * rows,
+            "tick": np.arange(rows),
+            "value": np.arange(rows) % 2,
+        }
+    ).replace_schema_metadata({b"railgate": json.dumps(about).encode()})
+    pq.write_table(table, tmp_path / "a.parquet")
+    usual, pool = pa.default_memory_pool(), pa.proxy_memory_pool(pa.default_memory_pool())
+    pa.set_memory_pool(pool)
+    try:
+        assert len(read(tmp_path / "a.parquet")[name]) == rows
+    finally:
+        pa.set_memory_pool(usual)
+    assert 0 < pool.max_memory() < 8 << 20
+
+
+def test_a_period_that_does_not_read_is_not_written(tmp_path):
+    trace = Trace({}, Fraction(1, 10**40), 0, 5)
+    with pytest.raises(ValueError, match="must be a fraction of 40 digits at most"):
+        write_parquet(tmp_path / "a.parquet", trace)
+    assert not list(tmp_path.iterdir())

@@ -5,6 +5,7 @@ import re
 import shutil
 import struct
 import subprocess
+import time
 import zipfile
 from fractions import Fraction
 from pathlib import Path
@@ -189,7 +190,10 @@ def test_the_tick_is_exactly_one_sample(tmp_path, text, hertz):
         (metadata(names="ABCDEFGHI"), "probes must be numbered 1 to 8, not 9"),
         (metadata(names="AA"), "each probe needs its own name"),
         (metadata(names=""), "at least one probe"),
-        ("no section", "no section headers"),
+        ("no section", 'sections of key=value, not "no section" in line 1'),
+        ("[device 1]\nunitsize\n", 'sections of key=value, not "unitsize" in line 2'),
+        ("unitsize=1\n[device 1]\n", 'sections of key=value, not "unitsize=1" in line 1'),
+        ("[device 1]\nunitsize=1\nUnitsize=2\n", 'must not repeat "unitsize" in line 3'),
         ("[global]\n", 'a section "device 1"'),
     ],
 )
@@ -310,3 +314,17 @@ def test_a_damaged_session_reads_or_is_refused(tmp_path_factory, data):
     except ValueError as error:
         trace, message = None, str(error)
     assert isinstance(trace, Trace) or "\n" not in message
+
+
+def test_metadata_of_many_lines_take_linear_time(tmp_path):
+    lines = "\n".join(f"key {index}" for index in range(60_000))
+    path = session(tmp_path / "a.sr", b"\0", f"[device 1]\n{lines}\n")
+    began = time.process_time()
+    with pytest.raises(ValueError, match='not "key 0" in line 2'):
+        read(path)
+    assert time.process_time() - began < 1
+
+
+def test_metadata_may_hold_comments_and_other_sections(tmp_path):
+    about = "# by hand\n[global]\nsigrok version=0.5\n\n; so far\n" + metadata()
+    assert list(read(session(tmp_path / "a.sr", b"\0", about)).signals) == ["A", "B"]

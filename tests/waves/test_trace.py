@@ -2,6 +2,8 @@
 
 import math
 import re
+import time
+import tracemalloc
 from fractions import Fraction
 
 import numpy as np
@@ -37,8 +39,8 @@ def held(trace: Trace) -> dict[str, dict[int, int]]:
 
 @given(
     st.lists(st.integers(LOW, HIGH), min_size=1, max_size=8),
-    st.integers(1, 1 << 70),
-    st.integers(1, 1 << 70),
+    st.one_of(st.integers(1, 1 << 62), st.integers(1, 1 << 70)),
+    st.one_of(st.integers(1, 1 << 31), st.integers(1, 1 << 70)),
 )
 def test_rescale_is_exact_or_refuses(ticks, up, down):
     ticks.sort()
@@ -47,7 +49,7 @@ def test_rescale_is_exact_or_refuses(ticks, up, down):
     if expected[0] >= LOW and expected[-1] <= HIGH:
         assert rescale(np.array(ticks), ratio).tolist() == expected
     else:
-        with pytest.raises(OverflowError, match="leaves 64 bits"):
+        with pytest.raises(ValueError, match="leaves 64 bits"):
             rescale(np.array(ticks), ratio)
 
 
@@ -197,3 +199,42 @@ def test_misuse_is_refused_in_one_line():
     ]:
         with pytest.raises(ValueError, match=re.escape(reason)):
             misuse()
+
+
+@pytest.mark.parametrize("down", [16_000_208, (1 << 61) - 1])
+def test_rescale_of_many_ticks_takes_little_memory(down):
+    ratio = Fraction(10**15, down)
+    ticks = np.arange(1 << 18)
+    tracemalloc.start()
+    scaled = rescale(ticks, ratio)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 16 << 20
+    for tick in (0, 1, 65_535, 65_536, 262_143):
+        assert scaled[tick] == math.ceil(tick * ratio)
+
+
+def test_a_period_that_no_tick_reaches_is_refused():
+    trace = Trace({"a": Waveform.of([0, 3], [0, 1])}, Fraction(1), 0, 5)
+    with pytest.raises(ValueError, match="leaves 64 bits"):
+        trace.resample(Fraction(1, 1 << 62))
+
+
+@given(st.tuples(st.integers(1, 64), st.booleans()), st.tuples(st.integers(1, 64), st.booleans()))
+def test_another_width_or_sign_is_a_difference(one, other):
+    left, right = (Trace({"a": Waveform.of([3], [0], *kind)}, US, 3, 9) for kind in (one, other))
+    found = left.first_difference(right)
+    assert (left == right) == (found is None)
+    if one[0] != other[0]:
+        assert str(found) == f"the width of a at tick 3: {one[0]} against {other[0]}"
+    elif one != other:
+        assert found == Difference("the sign of a", 3, int(one[1]), int(other[1]))
+
+
+def test_renaming_many_signals_takes_linear_time():
+    wave = Waveform.of([0], [0])
+    trace = Trace({f"s{index}": wave for index in range(20_000)}, US, 0, 5)
+    began = time.process_time()
+    with pytest.raises(ValueError, match='not be two of "s19998"'):
+        trace.rename({"s19999": "s19998"})
+    assert time.process_time() - began < 1

@@ -1,6 +1,7 @@
 """VCD and GTKWave save files as written: what stands in them, and what is refused."""
 
 import re
+import time
 from fractions import Fraction
 
 import pytest
@@ -144,3 +145,15 @@ def test_a_save_file_of_other_signals_is_refused(tmp_path):
     with pytest.raises(ValueError, match='must be one of bin, dec, hex, oct, signed, not "real"'):
         write_gtkw(tmp_path / "a.gtkw", "a.vcd", SHOWN, formats={"clk": "real"})
     assert not list(tmp_path.iterdir())
+
+
+def test_the_names_of_many_signals_take_linear_time(tmp_path):
+    wave = Waveform.of([0], [0])
+    trace = Trace(
+        {f"s{index}": wave for index in range(20_000)} | {"s_1": wave, "s.1": wave}, FS, 0, 5
+    )
+    twice = trace.merge(Trace({"s 1": wave}, FS, 0, 5))
+    began = time.process_time()
+    with pytest.raises(ValueError, match=re.escape('not be two of "top.s_1"')):
+        write_vcd(tmp_path / "a.vcd", twice)
+    assert time.process_time() - began < 1

@@ -138,3 +138,32 @@ def test_what_is_no_step_function_is_refused(ticks, values, reason):
 def test_nothing_is_known_before_the_beginning():
     with pytest.raises(ValueError, match="begins at tick 5"):
         Waveform.of([5], [0]).at([4])
+
+
+@pytest.mark.parametrize(
+    ("ticks", "reason"),
+    [
+        ([0.5], "ticks must be integers of 64 bits, not float64"),
+        ([True], "ticks must be integers of 64 bits, not bool"),
+        (["7"], "ticks must be integers of 64 bits, not <U1"),
+        ([1 << 63], "ticks must be at most 9223372036854775807, not 9223372036854775808"),
+        ([1 << 64], "ticks must be integers of 64 bits, not object"),
+    ],
+)
+def test_ticks_are_integers_of_64_bits(ticks, reason):
+    for make in (Waveform, Waveform.of):
+        with pytest.raises(ValueError, match=reason):
+            make(np.array(ticks), np.array([1]))
+
+
+def test_ticks_of_other_integer_types_are_taken():
+    for kind in (np.uint8, np.int32, np.uint64):
+        assert Waveform(np.array([1, 9], kind), np.array([0, 1])).ticks.dtype == np.int64
+
+
+def test_a_slice_before_the_beginning_is_refused():
+    wave = Waveform.of([20], [1])
+    for end in (10, 20):
+        with pytest.raises(ValueError, match=f"begins at tick 20, not before {end}"):
+            wave.slice(0, end)
+    assert wave.slice(0, 21) == wave.slice(20, 20) == wave

@@ -1,6 +1,12 @@
 """VCD and FST as other programs write them, sound and damaged."""
 
+import json
+import os
 import re
+import signal
+import subprocess
+import sys
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.waves import Limits, Trace, Waveform, read, write_vcd
-from railgate.waves.wellen import decode
+from railgate.waves.wellen import CHILD, decode, read_wellen
 
 DATA = Path(__file__).parents[1] / "data" / "fst"
 HEADER = """$date today $end
@@ -107,6 +113,8 @@ def test_a_trace_begins_where_all_wanted_signals_are_known(tmp_path):
         (HEADER + FIRST, ["a"], '"a" must name one signal, not t.a, t.u.a'),
         (HEADER + FIRST, ["q"], 'no channel "q"; there are: t.a, t.b, t.i, t.u.a'),
         (HEADER + FIRST + "#5\n1!\n#4\n0!\n", None, "times must not run backwards, from 5 to 4"),
+        (HEADER + FIRST + "#5 1! #3 0! #9 1!\n", None, "not run backwards, from 5 to 3"),
+        (HEADER + FIRST + "#5\nb1\n#\n#3\n0!", None, "not run backwards, from 5 to 3"),
         (HEADER + "#-3\n0!\n", None, "times must not run backwards, from 0 to -3"),
         (HEADER + "#99999999999999999999\n0!\n", None, "too large"),
         (HEADER + "#9223372036854775807\n0!\n", ["t.a"], "must fit 64 bits"),
@@ -195,3 +203,44 @@ def test_a_damaged_file_reads_or_is_refused(tmp_path_factory, name, data):
     except ValueError as error:
         trace, message = None, str(error)
     assert isinstance(trace, Trace) or "\n" not in message
+
+
+def test_only_time_stamps_are_time_stamps(tmp_path, monkeypatch):
+    text = (
+        "$timescale 1 us $end $scope module t $end\n"
+        "$var wire 1 #2 a $end $var wire 4 #1 b $end $upscope $end $enddefinitions $end\n"
+        "#10 0#2 b1010 #1\n$comment #4 and\n#3 $end #20 1#2 b11\n#1 #30 0#2"
+    )
+    for block in (1, 7, 1 << 22):
+        monkeypatch.setattr("railgate.waves.wellen.BLOCK_BYTES", block)
+        trace = decode(written(tmp_path, text), None, Limits())
+        assert (trace.start, trace.end) == (10, 31)
+        assert trace["t.a"] == Waveform.of([10, 20, 30], [0, 1, 0])
+        assert trace["t.b"] == Waveform.of([10, 20], [10, 3], 4)
+
+
+def test_reading_ends_in_time(tmp_path):
+    os.mkfifo(tmp_path / "a.vcd")
+    with pytest.raises(ValueError, match=re.escape("must take at most 1 s (limit seconds)")):
+        read_wellen(tmp_path / "a.vcd", None, Limits(seconds=1))
+
+
+def test_the_reading_process_ends_without_its_parent(tmp_path):
+    path = written(tmp_path, "$enddefinitions $end\n")
+    os.truncate(path, 1 << 33)
+    limits = Limits(seconds=1, metadata_bytes=1 << 32)
+    order = {"path": str(path), "result": "", "channels": None, "limits": asdict(limits)}
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", CHILD],
+        input=json.dumps(order),
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert done.returncode == -signal.SIGXCPU
+
+
+def test_a_packed_fst_is_refused(tmp_path):
+    (tmp_path / "a.fst").write_bytes(b"\xfe" + (DATA / "wheel.fst").read_bytes())
+    with pytest.raises(ValueError, match="must not be packed"):
+        read(tmp_path / "a.fst")

@@ -58,6 +58,7 @@ def netlist(design: Design) -> tuple[tuple[Port, ...], dict[str, Register], str]
     All are the same in every process.
     """
     component = design.component()
+    fragment = Fragment.get(component, None)
     signals = ports(component, design.clocks)
     border = {
         "__".join(map(str, path)): (
@@ -66,7 +67,7 @@ def netlist(design: Design) -> tuple[tuple[Port, ...], dict[str, Register], str]
         )
         for path, member, value in component.signature.flatten(component)
     }
-    prepared = Fragment.get(component, None).prepare(ports=border)
+    prepared = fragment.prepare(ports=border)
     text, _ = rtlil.convert_fragment(prepared, emit_src=False)
     return signals, {found.written: found.register for found in registers(prepared, 1)}, text
 

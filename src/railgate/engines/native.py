@@ -31,8 +31,9 @@ class Native:
     """Runs a design from a shared object. See railgate.engines.Engine for the protocol.
 
     library: what was compiled from loop.cc. signals: the design's ports, inputs and outputs in
-    the order in which they were compiled. registers: by the path that each has in the
-    library; one that was optimised away cannot be poked. Raises ValueError where the library cannot be loaded.
+    the order in which they were compiled. registers: by the path that each has in the library;
+    one that was optimised away cannot be poked. Raises ValueError where the library cannot be
+    loaded.
     """
 
     def __init__(

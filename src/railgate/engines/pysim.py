@@ -11,7 +11,7 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from amaranth.hdl import ClockDomain, Module, Value
+from amaranth.hdl import ClockDomain, Fragment, Value
 from amaranth.sim import Simulator
 
 from railgate.engines.design import Clock, Design
@@ -55,11 +55,11 @@ class PySim:
         self._design = design
         self._now = 0
         component = design.component()
+        simulator, domains = _simulator(design, component)
         self._ports = ports(component, design.clocks)
         self._inputs = [port for port in self._ports if not port.output]
         self._outputs = [port for port in self._ports if port.output]
 
-        simulator, domains = _simulator(design, component)
         self._engine = simulator._engine
         self._clocks = [self._slot(domain.clk) for domain in domains]
         members = [_member(component, port) for port in self._ports[: -len(domains)]]
@@ -200,28 +200,30 @@ class PySim:
 
 def _simulator(design: Design, component: wiring.Component) -> tuple[Simulator, list[ClockDomain]]:
     """The simulator of `component` one level below its top, and the domains of the clocks."""
+    fragment = Fragment.get(component, None)
+    if own := set(_own_domains(fragment)):
+        raise ValueError(
+            f"{design.name} must have no domains but those of its clocks, with rising edges, "
+            f"not its own {', '.join(sorted(own))}"
+        )
     domains = [ClockDomain(clock.domain) for clock in design.clocks]
-    top = Module()
-    top.domains += domains
-    top.submodules.design = component
+    top = Fragment()
+    top.add_domains(*domains)
+    top.add_subfragment(fragment, "design")
     simulator = Simulator(top)
     if unclocked := set(simulator._design.fragment.domains) - {domain.name for domain in domains}:
         raise ValueError(
             f"{design.name} needs a clock for each domain, "
             f"not none for {', '.join(sorted(unclocked))}"
         )
-    inner = {
-        name
-        for fragment in simulator._design.fragments
-        for name, domain in fragment.domains.items()
-        if domain not in domains
-    }
-    if inner:
-        raise ValueError(
-            f"{design.name} must have domains of its clocks only, with rising edges, "
-            f"not one of its own: {', '.join(sorted(inner))}"
-        )
     return simulator, domains
+
+
+def _own_domains(fragment: Fragment) -> Iterator[str]:
+    """The names of the domains that a design makes, on any level."""
+    yield from fragment.domains
+    for part, *_ in fragment.subfragments:
+        yield from _own_domains(part)
 
 
 def _member(component: wiring.Component, port: Port) -> Value:

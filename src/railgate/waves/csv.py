@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -43,10 +44,12 @@ def read_csv(path: Path, channels: Sequence[str] | None, limits: Limits) -> Trac
     equal times the last counts.
     """
     header = _header(path, limits)
-    names = header[1:] if channels is None else channels
+    there = header[1:]
+    names = there if channels is None else channels
+    known = set(there)
     for name in names:
-        if name not in header[1:]:
-            raise absent(name, header[1:])
+        if name not in known:
+            raise absent(name, there)
     for decimals in DECIMALS:
         rows = _Rows(names, limits)
         try:
@@ -70,8 +73,8 @@ def _header(path: Path, limits: Limits) -> list[str]:
     limits.check("signals", len(header) - 1, "the number of columns")
     if "" in header or all(_is_number(name) for name in header):
         raise ValueError(f'line 1 must name every column, not hold "{line.strip()[:40]}"')
-    if len(set(header)) < len(header):
-        twice = next(name for name in header if header.count(name) > 1)
+    twice, times = Counter(header).most_common(1)[0]
+    if times > 1:
         raise ValueError(f'each column needs its own name, not twice "{twice}"')
     return header
 
@@ -158,6 +161,6 @@ class _Rows:
             ticks = np.concatenate(times) // grid
             times.clear()
             low, high = int(values.min()), int(values.max())
-            width = max(high.bit_length(), (~low).bit_length() if low < 0 else 0) + (low < 0)
+            width = max(max(high, 0).bit_length(), max(~low, 0).bit_length()) + (low < 0)
             signals[name] = Waveform.of(ticks, values, max(width, 1), low < 0)
         return Trace(signals, grid * resolution, self.first // grid, self.last // grid + 1)

@@ -49,8 +49,10 @@ def read(
         limits.check("file_bytes", path.stat().st_size, "the file's size in bytes")
         return _reader(_format(path))(path, channels, limits)
     except Exception as error:  # the formats' libraries throw errors of many kinds
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"{path}: {reason[:500]}") from error
+        reason = (" ".join(str(error).split()) or type(error).__name__)[:500]
+        # Names in a file may hold a terminal's control sequences.
+        reason = "".join(c if c.isprintable() else "?" for c in reason)
+        raise ValueError(f"{path}: {reason}") from error
 
 
 def _format(path: Path) -> str:

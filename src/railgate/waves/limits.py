@@ -16,7 +16,9 @@ class Limits:
     entry; 1032 is the most that deflate can reach, an all-zero capture reaches 1000, the idle
     captures of sigrok-dumps 187. entries: of one archive. signals: declared in one file.
     transitions: values kept, of all wanted signals together; one takes about 17 bytes at the peak.
-    memory_bytes: address space of the process that reads VCD and FST.
+    memory_bytes: address space of the process that reads VCD and FST; Windows has no such bound,
+    there a hostile file may take what memory there is. seconds: time that process may take, of
+    the processor (not on Windows) and by the clock.
     """
 
     file_bytes: int = 1 << 34
@@ -27,6 +29,7 @@ class Limits:
     signals: int = 100_000
     transitions: int = 50_000_000
     memory_bytes: int = 1 << 33
+    seconds: int = 600
 
     def __post_init__(self) -> None:
         for field in fields(self):

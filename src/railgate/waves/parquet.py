@@ -10,6 +10,7 @@ from `tick` on. Rows stand signal by signal, ticks rising. The file's metadata u
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -29,10 +30,13 @@ __all__ = ["read_parquet", "write_parquet"]
 KEY = b"railgate"
 ROWS = 1 << 20
 WIDE = pa.decimal128(20, 0)
+PERIOD = re.compile(r"[0-9]{1,40}(?:/[0-9]{1,40})?")
 
 
 def write_parquet(path: str | Path, trace: Trace) -> None:
     """Writes the trace so that `read` gives an equal one. Raises ValueError if it cannot."""
+    if not PERIOD.fullmatch(str(trace.period)):
+        raise ValueError(f"a period must be a fraction of 40 digits at most, not {trace.period}")
     wide = any(int(wave.values.max()) >> 63 > 0 for wave in trace.signals.values())
     about = {
         "period": str(trace.period),
@@ -73,6 +77,7 @@ def read_parquet(path: Path, channels: Sequence[str] | None, limits: Limits) -> 
     """
     with pq.ParquetFile(
         path,
+        read_dictionary=["signal"],  # a name is decoded once, not once a row
         memory_map=False,
         thrift_string_size_limit=limits.metadata_bytes,
         thrift_container_size_limit=limits.metadata_bytes,
@@ -104,7 +109,10 @@ def read_parquet(path: Path, channels: Sequence[str] | None, limits: Limits) -> 
 def _about(about: dict[str, Any]) -> tuple[Fraction, int, int, dict[str, tuple[int, bool]]]:
     try:
         kinds = {str(s["name"]): (int(s["width"]), bool(s["signed"])) for s in about["signals"]}
-        return Fraction(about["period"]), int(about["start"]), int(about["end"]), kinds
+        period, start, end = (about[key] for key in ("period", "start", "end"))
+        if not PERIOD.fullmatch(period) or type(start) is not int or type(end) is not int:
+            raise TypeError(f"{period!r:.50}, {start!r:.50}, {end!r:.50}")
+        return Fraction(period), start, end, kinds
     except (KeyError, TypeError, ZeroDivisionError) as error:
         raise ValueError(f"the metadata are damaged: {error!r}") from error
 

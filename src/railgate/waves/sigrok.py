@@ -7,11 +7,10 @@ Ref: the sigrok wiki's "File format:Sigrok/v1" and "…/v2".
 
 from __future__ import annotations
 
-import configparser
 import io
 import re
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -85,11 +84,7 @@ def _session(archive: zipfile.ZipFile, limits: Limits) -> _Session:
     version = _text(archive, "version", limits).strip()
     if version not in ("1", "2"):
         raise ValueError(f'version must be 1 or 2, not "{version[:20]}"')
-    ini = configparser.ConfigParser(interpolation=None)
-    ini.read_string(_text(archive, "metadata", limits))
-    if "device 1" not in ini:
-        raise ValueError('metadata must have a section "device 1"')
-    device = ini["device 1"]
+    device = _device(_text(archive, "metadata", limits))
     unitsize = _whole(device, "unitsize", 8)
     bits: dict[str, int] = {}
     for key, name in device.items():
@@ -105,7 +100,31 @@ def _session(archive: zipfile.ZipFile, limits: Limits) -> _Session:
     return _Session(unitsize, 1 / _samplerate(device.get("samplerate", "")), bits)
 
 
-def _whole(device: configparser.SectionProxy, key: str, most: int) -> int:
+def _device(text: str) -> dict[str, str]:
+    """The keys, in lower case, and values of the metadata's section "device 1"."""
+    sections: dict[str, dict[str, str]] = {}
+    keys: dict[str, str] | None = None
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
+        if not line or line[0] in "#;":
+            continue
+        key, equals, value = (part.strip() for part in line.partition("="))
+        key = key.lower()
+        if line[0] == "[" and line[-1] == "]":
+            keys = sections.setdefault(line[1:-1], {})
+        elif not equals or keys is None:
+            raise ValueError(
+                f'metadata must be sections of key=value, not "{line[:40]}" in line {number}'
+            )
+        elif key in keys:
+            raise ValueError(f'metadata must not repeat "{key[:40]}" in line {number}')
+        else:
+            keys[key] = value
+    if "device 1" not in sections:
+        raise ValueError('metadata must have a section "device 1"')
+    return sections["device 1"]
+
+
+def _whole(device: Mapping[str, str], key: str, most: int) -> int:
     text = device.get(key, "")
     if not re.fullmatch(r"[0-9]{1,9}", text) or not 1 <= int(text) <= most:
         raise ValueError(f'{key} must be between 1 and {most}, not "{text[:20]}"')

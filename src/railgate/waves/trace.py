@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -13,27 +14,43 @@ from railgate.waves.waveform import Ticks, Waveform
 
 __all__ = ["Difference", "Trace", "rescale"]
 
+BLOCK = 1 << 16
+
 
 def rescale(ticks: Ticks, ratio: Fraction) -> Ticks:
-    """ceil(ticks · ratio) of rising ticks, exact; raises OverflowError where one leaves 64 bits."""
+    """ceil(ticks · ratio) of rising ticks, exact; raises ValueError where one leaves 64 bits."""
     up, down = ratio.numerator, ratio.denominator
     if up == down or not ticks.size:
         return ticks
     limits = np.iinfo(np.int64)
     for extreme in (int(ticks[0]), int(ticks[-1])):
         if not limits.min <= -(-extreme * up // down) <= limits.max:
-            raise OverflowError(f"tick {extreme} times {ratio} leaves 64 bits")
-    if up * down > limits.max:  # the product below would not fit: integers of any size
-        exact: Ticks = (-(-ticks.astype(object) * up // down)).astype(np.int64)
-        return exact
+            raise ValueError(f"tick {extreme} times {ratio} leaves 64 bits")
+    if up > limits.max or down * min(up, down) > limits.max:
+        return _rescale_wide(ticks, up, down)
     whole, rest = np.divmod(ticks, down)
-    scaled: Ticks = whole * up - (-(rest * up) // down)
+    above, part = divmod(up, down)
+    # The sum fits 64 bits, and rest · part too; a partial sum that does not wraps and comes back.
+    scaled: Ticks = whole * up + rest * above - (-(rest * part) // down)
+    return scaled
+
+
+def _rescale_wide(ticks: Ticks, up: int, down: int) -> Ticks:
+    """`rescale` in integers of any size, which take ten times the memory: block by block."""
+    scaled = np.empty(ticks.size, np.int64)
+    for first in range(0, ticks.size, BLOCK):
+        part = slice(first, first + BLOCK)
+        scaled[part] = -(-ticks[part].astype(object) * up // down)
     return scaled
 
 
 @dataclass(frozen=True)
 class Difference:
-    """The first place where two traces part: signal, tick, and what each holds there."""
+    """The first place where two traces part: signal, tick, and what each holds there.
+
+    signal: a signal's name; "the end", "the start", "the width of x" or "the sign of x" (1 where
+    x is signed) where it is that in which they differ.
+    """
 
     signal: str
     tick: int
@@ -107,9 +124,9 @@ class Trace:
         for old in names:
             self[old]
         after = [names.get(name, name) for name in self.signals]
-        if len(set(after)) < len(after):
-            twice = next(name for name in after if after.count(name) > 1)
-            raise ValueError(f'signals must keep different names, not be two of "{twice}"')
+        for name, times in Counter(after).items():
+            if times > 1:
+                raise ValueError(f'signals must keep different names, not be two of "{name}"')
         return self._with({names.get(name, name): wave for name, wave in self.signals.items()})
 
     def merge(self, other: Trace) -> Trace:
@@ -142,6 +159,7 @@ class Trace:
         """What a sampler of another clock sees: at its tick j the value of time j · period.
 
         A change between two of its ticks is seen at the later one, of several only the last.
+        Raises ValueError where a tick leaves 64 bits.
         """
         ratio = self.period / period
         start, end = (int(t) for t in rescale(np.array([self.start, self.end]), ratio))
@@ -192,7 +210,10 @@ class Trace:
                 )
 
     def first_difference(self, other: Trace) -> Difference | None:
-        """The earliest difference of the two (a missing signal or end counts), or None."""
+        """The earliest difference of the two, or None where they are equal.
+
+        A missing signal and another width, sign or end count; the former three at the start.
+        """
         if self.period != other.period:
             raise ValueError(
                 f"traces with ticks of {self.period} s and {other.period} s cannot be compared"
@@ -206,15 +227,22 @@ class Trace:
                     None if mine is None else int(mine.values[0]),
                     None if its is None else int(its.values[0]),
                 )
+        first = min(self.start, other.start)
         found = []
         if self.end != other.end:
             found.append(Difference("the end", min(self.end, other.end), self.end, other.end))
         if self.start != other.start and not self.signals:
-            first = min(self.start, other.start)
             found.append(Difference("the start", first, self.start, other.start))
         for name, wave in self.signals.items():
-            tick = wave.first_difference(other[name])
+            its = other[name]
+            for what, left, right in (
+                ("width", wave.width, its.width),
+                ("sign", int(wave.signed), int(its.signed)),
+            ):
+                if left != right:
+                    found.append(Difference(f"the {what} of {name}", first, left, right))
+            tick = wave.first_difference(its)
             if tick is not None:
-                values = (w.at(tick) if tick >= w.ticks[0] else None for w in (wave, other[name]))
+                values = (w.at(tick) if tick >= w.ticks[0] else None for w in (wave, its))
                 found.append(Difference(name, tick, *(v if v is None else int(v) for v in values)))
         return min(found, key=lambda difference: difference.tick, default=None)

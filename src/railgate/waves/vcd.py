@@ -53,7 +53,7 @@ def write_vcd(path: str | Path, trace: Trace) -> None:
         raise ValueError(f"a tick in a VCD must last at least 1 fs, not {trace.period} s")
     try:
         start, end = (int(t) for t in rescale(np.array([trace.start, trace.end]), ratio))
-    except OverflowError as error:
+    except ValueError as error:
         raise ValueError(f"times in a VCD must fit 63 bits of {timescale}: {error}") from error
     names = _names(trace)
     note = TICK_NOTE.format(trace.period)
@@ -80,12 +80,14 @@ def write_vcd(path: str | Path, trace: Trace) -> None:
 def _names(trace: Trace) -> dict[str, tuple[str, ...]]:
     """The path of each signal: scopes, then the name."""
     names: dict[str, tuple[str, ...]] = {}
+    taken = set()
     for name in trace.signals:
         parts = (re.sub(r"[^A-Za-z0-9_]", "_", part) or "_" for part in name.split("."))
         path = (SCOPE, *parts)
-        if path in names.values():
+        if path in taken:
             raise ValueError(f'names must differ in a VCD too, not be two of "{".".join(path)}"')
         names[name] = path
+        taken.add(path)
     return names
 
 

@@ -40,6 +40,17 @@ def _stored(values: ArrayLike, width: int, signed: bool) -> Values:
     return np.ascontiguousarray(found, dtype=kind)
 
 
+def _ticks(ticks: ArrayLike) -> Ticks:
+    """The ticks as int64. Raises ValueError where one is no integer or does not fit."""
+    found = np.asarray(ticks)
+    if found.dtype != np.int64 and found.size:
+        if found.dtype.kind not in "iu":
+            raise ValueError(f"ticks must be integers of 64 bits, not {found.dtype}")
+        if int(found.max()) >> 63 > 0:
+            raise ValueError(f"ticks must be at most {(1 << 63) - 1}, not {found.max()}")
+    return np.ascontiguousarray(found, dtype=np.int64)
+
+
 @dataclass(frozen=True, eq=False)
 class Waveform:
     """A signal that holds `values[i]` from tick `ticks[i]` until `ticks[i + 1]`.
@@ -56,7 +67,7 @@ class Waveform:
     signed: bool = False
 
     def __post_init__(self) -> None:
-        ticks = np.ascontiguousarray(self.ticks, dtype=np.int64)
+        ticks = _ticks(self.ticks)
         values = _stored(self.values, self.width, self.signed)
         if ticks.ndim != 1 or ticks.shape != values.shape or not ticks.size:
             raise ValueError(
@@ -79,7 +90,7 @@ class Waveform:
         cls, ticks: ArrayLike, values: ArrayLike, width: int = 1, signed: bool = False
     ) -> Waveform:
         """From samples in order of time: of equal ticks the last counts, repeats are dropped."""
-        at = np.asarray(ticks, dtype=np.int64)
+        at = _ticks(ticks)
         what = _stored(values, width, signed)
         if at.size > 1:
             last = np.append(at[1:] != at[:-1], True)
@@ -131,7 +142,12 @@ class Waveform:
         return edges
 
     def slice(self, start: int, end: int) -> Waveform:
-        """The part in start ≤ tick < end, beginning with the value held at `start`."""
+        """The part in start ≤ tick < end, beginning with the value held at `start`.
+
+        Where the signal begins later, the part does too; beyond `end` it raises ValueError.
+        """
+        if self.ticks[0] >= max(end, start + 1):
+            raise ValueError(f"the signal begins at tick {self.ticks[0]}, not before {end}")
         first = max(int(np.searchsorted(self.ticks, start, side="right")) - 1, 0)
         last = max(int(np.searchsorted(self.ticks, end, side="left")), first + 1)
         ticks = self.ticks[first:last].copy()
@@ -145,6 +161,7 @@ class Waveform:
     def first_difference(self, other: Waveform) -> int | None:
         """The first tick at which the two hold different values, None where there is none.
 
+        Values alone are compared; `==` and Trace.first_difference count width and sign too.
         Where one begins later than the other, the later beginning is a difference of the earlier.
         """
         if self.ticks[0] != other.ticks[0]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import struct
 import subprocess
 import sys
@@ -35,7 +36,16 @@ __all__ = ["decode", "read_wellen"]
 BLOCK = 1 << 16
 BLOCK_BYTES = 1 << 22
 CHILD = "from railgate.waves.wellen import _child; _child()"
-TIMES = re.compile(rb"^[ \t]*#(-?[0-9]{1,20})", re.MULTILINE)
+TIME = re.compile(
+    rb"""(?: \s++
+        | [bBrRsS]\S*+ \s++ \S++ (?=\s)         # its identifier may look like a time stamp
+        | \$comment\s (?s:.*?) \$end (?=\s)
+        | \#(?!-?[0-9]++\s) \S*+ (?=\s)
+        | (?!\$comment\s) [^\s\#bBrRsS]\S*+ (?=\s)
+    )*+ (?: \#(-?[0-9]++) (?=\s) )?+""",
+    re.VERBOSE,
+)
+"""All whole items up to a time stamp, and it; without one, all there are."""
 NOTE = re.compile(TICK_NOTE.format(r"([0-9]{1,40}(?:/[0-9]{1,40})?)").encode())
 
 
@@ -46,7 +56,8 @@ def read_wellen(path: Path, channels: Sequence[str] | None, limits: Limits) -> T
     Scopes and name are joined by dots; the bare name will do where only one signal has it.
     None of `channels` takes every signal of 1 to 64 bits. The trace begins at the first tick at
     which every signal taken has a value of zeros and ones; any x or z after that is an error. It
-    ends one tick after the file's last time stamp; where `write_vcd` wrote the file, at it.
+    ends one tick after the file's last time stamp; where `write_vcd` wrote the file, at it. A
+    packed FST, which hides that stamp, is refused.
     """
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "trace"
@@ -58,15 +69,21 @@ def read_wellen(path: Path, channels: Sequence[str] | None, limits: Limits) -> T
                 "limits": asdict(limits),
             }
         )
-        done = subprocess.run(
-            [sys.executable, "-P", "-c", CHILD],
-            input=order,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            env={**os.environ, "RUST_BACKTRACE": "0"},
-            check=False,
-        )
+        try:
+            done = subprocess.run(
+                [sys.executable, "-P", "-c", CHILD],
+                input=order,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                env={**os.environ, "RUST_BACKTRACE": "0"},
+                timeout=limits.seconds,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise _late(limits) from None
+        if done.returncode == -getattr(signal, "SIGXCPU", 0) < 0:
+            raise _late(limits)
         if done.returncode == 2:
             raise ValueError(done.stderr.strip().splitlines()[-1])
         if done.returncode:
@@ -77,6 +94,10 @@ def read_wellen(path: Path, channels: Sequence[str] | None, limits: Limits) -> T
         return read_parquet(result, None, limits)
 
 
+def _late(limits: Limits) -> ValueError:
+    return ValueError(f"reading must take at most {limits.seconds} s (limit seconds)")
+
+
 def _child() -> None:
     """What the process of its own does: reads, and writes the trace as Parquet."""
     order = json.load(sys.stdin)
@@ -84,8 +105,14 @@ def _child() -> None:
     try:
         import resource
 
-        resource.setrlimit(resource.RLIMIT_AS, (limits.memory_bytes, limits.memory_bytes))
-    except ImportError:  # Windows has no such limit
+        for kind, most in (
+            (resource.RLIMIT_AS, limits.memory_bytes),
+            (resource.RLIMIT_CPU, limits.seconds),
+            (resource.RLIMIT_CORE, 0),
+        ):
+            hard = resource.getrlimit(kind)[1]
+            resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
+    except ImportError:  # Windows has no such limits
         pass
     try:
         write_parquet(order["result"], decode(Path(order["path"]), order["channels"], limits))
@@ -129,15 +156,17 @@ def decode(path: Path, channels: Sequence[str] | None, limits: Limits) -> Trace:
 
 
 def _fst_frame(head: bytes) -> _Frame:
-    """From the header block; a packed file (block 254) does not show it without unpacking."""
-    if head[:1] != b"\0" or len(head) < 25:
-        return _Frame(0, 0, None)
+    """From the header block."""
+    if head[:1] == b"\xfe":
+        raise ValueError("an FST must not be packed (block 254); fst2vcd makes a VCD of it")
+    if len(head) < 25:
+        raise ValueError("the file's header is cut short")
     first, last = struct.unpack(">QQ", head[9:25])
     return _Frame(first, last, None)
 
 
 def _vcd_frame(path: Path, limits: Limits) -> _Frame:
-    """From the header's comment and from the lines that are time stamps."""
+    """From the header's comment and from the time stamps."""
     first, last = None, 0
     with path.open("rb") as file:
         header = file.read(limits.metadata_bytes)
@@ -151,13 +180,23 @@ def _vcd_frame(path: Path, limits: Limits) -> _Frame:
         file.seek(body)
         rest = b""
         while block := file.read(BLOCK_BYTES):
-            cut = block.rfind(b"\n") + 1
-            stamps = np.array([int(t) for t in TIMES.findall(rest + block[:cut])], np.int64)
-            rest = block[cut:] if cut else rest + block
-            limits.check("metadata_bytes", len(rest), "the length of a line")
+            stamps, rest = _stamps(rest + block)
+            limits.check("metadata_bytes", len(rest), "the length of a value or comment")
             first, last = _rising(stamps, first, last)
-    first, last = _rising(np.array([int(t) for t in TIMES.findall(rest)], np.int64), first, last)
+    first, last = _rising(_stamps(rest + b"\n")[0], first, last)
     return _Frame(first or 0, last, Fraction(note[1].decode()) if note else None)
+
+
+def _stamps(text: bytes) -> tuple[Ticks, bytes]:
+    """The time stamps, and the item at the end that is not whole."""
+    stamps = []
+    at = 0
+    while found := TIME.match(text, at):
+        at = found.end()
+        if found[1] is None:
+            break
+        stamps.append(int(found[1]))
+    return np.array(stamps, np.int64), text[at:]
 
 
 def _rising(stamps: Ticks, first: int | None, last: int) -> tuple[int | None, int]:

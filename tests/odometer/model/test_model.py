@@ -184,7 +184,11 @@ def test_what_does_not_fit_is_refused() -> None:
         (9, good, "is at tick 10 already, it cannot run to tick 9"),
         (101, good, r"must cover ticks 10..101, not 0..100"),
         (20, good.slice(11, 90), r"must cover ticks 10..20, not 11..90"),
-        (20, good.rename({"rst": "reset"}), 'no input "reset" in odometer; there are: .*strobe, rst'),
+        (
+            20,
+            good.rename({"rst": "reset"}),
+            'no input "reset" in odometer; there are: .*strobe, rst',
+        ),
         (20, other, "must last 1/20000 s, not 1/40000 s"),
         (20, wide, '"rst" must be 1 bit, not 2 bits'),
     ):
@@ -194,6 +198,7 @@ def test_what_does_not_fit_is_refused() -> None:
         model.poke("sensor_0.period", 1)
     with pytest.raises(ValueError, match=r'"sensor_1.position" in odometer; there are: sensor_0'):
         model.poke("sensor_1.position", 1)
+    assert model.registers == tuple(f"sensor_0.{name}" for name in STATE)
     with pytest.raises(ValueError, match="between -128 and 127, not 128"):
         model.poke("sensor_0.position", 128)
     with pytest.raises(ValueError, match="a checkpoint must be of"):
