@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.odometer.spec import Config
+from railgate.odometer.spec import Config, require
 from railgate.waves import Trace, Waveform
 
 __all__ = [
@@ -231,7 +231,8 @@ class Sensor:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, low, high in (
+        require(
+            self,
             ("duty", 0.05, 0.95),
             ("phase_deg", 1, 359),
             ("tooth_error", 0, 0.25),
@@ -239,10 +240,7 @@ class Sensor:
             ("dropouts", 0, 1),
             ("glitches_hz", 0, 1e6),
             ("glitch_s", 1e-9, 1),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} must be between {low} and {high}, not {value}")
+        )
 
     def drive(self, profile: Profile, config: Config) -> Trace:
         """The pins over the profile: signals a, b in ticks of the configuration's clock.

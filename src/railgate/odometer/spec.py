@@ -81,7 +81,7 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
 
-__all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag"]
+__all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag", "require"]
 
 
 class Direction(IntEnum):
@@ -107,6 +107,14 @@ class Flag(IntFlag):
     WINDOW_VOID = 1 << 9
     WINDOW_OVERFLOW = 1 << 10
     STAMP_OVERFLOW = 1 << 11
+
+
+def require(owner: object, *bounds: tuple[str, float | Fraction, float]) -> None:
+    """Raises ValueError unless low ≤ attribute ≤ high for each (name, low, high)."""
+    for name, low, high in bounds:
+        value = getattr(owner, name)
+        if not low <= value <= high:
+            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
 
 
 @dataclass(frozen=True)
@@ -171,7 +179,8 @@ class Config:
     stamp_latency_ticks = 4
 
     def __post_init__(self) -> None:
-        for name, low, high in (
+        require(
+            self,
             ("clock_hz", 1_000, 10**10),
             ("sensors", 1, 16),
             ("pulses_per_rev", 1, 100_000),
@@ -186,10 +195,7 @@ class Config:
             ("time_bits", 16, 63),
             ("window_pulses", 1, 2**20),
             ("stamp_depth", 0, 65_536),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} must be between {low} and {high}, not {value}")
+        )
         if self.minimum_kmh >= self.overspeed_kmh:
             raise ValueError(
                 f"minimum_kmh must be below overspeed_kmh, {float(self.overspeed_kmh):g}, "
@@ -317,14 +323,12 @@ class Assumptions:
     late_ticks: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, low, high in (
+        require(
+            self,
             ("crystal_ppm", 0, 10_000),
             ("diameter_tolerance_m", 0, 0.1),
             ("tooth_error", 0, 0.25),
             ("acceleration_max", 0.01, 100),
             ("jerk_max", 0, 100),
             ("late_ticks", 1, 1e9),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} must be between {low} and {high}, not {value}")
+        )
