@@ -21,9 +21,8 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 from numpy.typing import NDArray
 
-from railgate.waves.files import absent
 from railgate.waves.limits import Limits
-from railgate.waves.trace import Trace
+from railgate.waves.trace import Trace, absent
 from railgate.waves.waveform import Ticks, Waveform
 
 __all__ = ["read_csv"]

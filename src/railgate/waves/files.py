@@ -1,4 +1,4 @@
-"""One way in for every file of signals, and the way out that leaves nothing half-written.
+"""One way in for every file of signals.
 
 A reader of one format has the same contract as `read` and may leave it by any exception that its
 library throws: `read` makes one ValueError of it. The formats are imported when they are needed,
@@ -7,16 +7,13 @@ since their libraries take longer to load than a small capture takes to read.
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from railgate.waves.limits import Limits
 from railgate.waves.trace import Trace
 
-__all__ = ["absent", "read", "replacing"]
+__all__ = ["read"]
 
 Reader = Callable[[Path, Sequence[str] | None, Limits], Trace]
 
@@ -84,39 +81,3 @@ def _reader(name: str) -> Reader:
     else:
         from railgate.waves.wellen import read_wellen as reader
     return reader
-
-
-def absent(name: str, there: Sequence[str]) -> ValueError:
-    """The error for a channel that a file lacks; it lists those there are (at most 40)."""
-    listed = ", ".join(there[:40]) or "none"
-    more = f" and {len(there) - 40} more" if len(there) > 40 else ""
-    return ValueError(f'no channel "{name}"; there are: {listed}{more}')
-
-
-@contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
-    """A new file beside `path` that takes its place when the block ends, and goes when it fails.
-
-    Raises ValueError where the file cannot be written.
-    """
-    path = Path(path)
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        os.close(handle)
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {error.strerror}") from error
-    unfinished = Path(name)
-    try:
-        yield unfinished
-        unfinished.chmod(0o666 & ~_umask())
-        unfinished.replace(path)
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {error.strerror}") from error
-    finally:
-        unfinished.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask

@@ -20,9 +20,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from railgate.waves.files import absent, replacing
 from railgate.waves.limits import Limits
-from railgate.waves.trace import Trace
+from railgate.waves.replacing import replacing
+from railgate.waves.trace import Trace, absent
 from railgate.waves.waveform import Ticks, Values, Waveform
 
 __all__ = ["read_parquet", "write_parquet"]

@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.waves.files import absent
 from railgate.waves.limits import Limits
-from railgate.waves.trace import Trace
+from railgate.waves.trace import Trace, absent
 from railgate.waves.waveform import Ticks, Waveform
 
 __all__ = ["read_sigrok"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -12,7 +12,7 @@ import numpy as np
 
 from railgate.waves.waveform import Ticks, Waveform
 
-__all__ = ["Difference", "Trace", "rescale"]
+__all__ = ["Difference", "Trace", "absent", "rescale"]
 
 BLOCK = 1 << 16
 
@@ -42,6 +42,13 @@ def _rescale_wide(ticks: Ticks, up: int, down: int) -> Ticks:
         part = slice(first, first + BLOCK)
         scaled[part] = -(-ticks[part].astype(object) * up // down)
     return scaled
+
+
+def absent(name: str, there: Sequence[str]) -> ValueError:
+    """The error for a channel that is not there; it lists those there are (at most 40)."""
+    listed = ", ".join(there[:40]) or "none"
+    more = f" and {len(there) - 40} more" if len(there) > 40 else ""
+    return ValueError(f'no channel "{name}"; there are: {listed}{more}')
 
 
 @dataclass(frozen=True)
@@ -101,8 +108,7 @@ class Trace:
         try:
             return self.signals[name]
         except KeyError:
-            there = ", ".join(self.signals) or "none"
-            raise ValueError(f'no channel "{name}"; there are: {there}') from None
+            raise absent(name, list(self.signals)) from None
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Trace):

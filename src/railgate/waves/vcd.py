@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vcd import VCDWriter
 from vcd.gtkw import GTKWSave
 
-from railgate.waves.files import replacing
+from railgate.waves.replacing import replacing
 from railgate.waves.trace import Trace, rescale
 from railgate.waves.waveform import Waveform
 

@@ -24,10 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.waves.files import absent
 from railgate.waves.limits import Limits
 from railgate.waves.parquet import read_parquet, write_parquet
-from railgate.waves.trace import Trace, rescale
+from railgate.waves.trace import Trace, absent, rescale
 from railgate.waves.vcd import SCOPE, TICK_NOTE
 from railgate.waves.waveform import MAX_WIDTH, Ticks, Waveform
 
