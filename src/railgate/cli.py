@@ -17,7 +17,6 @@ from railgate import doctor as checkup
 from railgate import quantity
 from railgate.odometer import plant
 from railgate.odometer.measure import Measurement, measure, part
-from railgate.odometer.record import record
 from railgate.odometer.simulate import simulate
 from railgate.odometer.table import show
 from railgate.options import Setup, with_setup
@@ -124,7 +123,11 @@ def _progress(setup: Setup) -> Iterator[Callable[[float], None] | None]:
 
 
 def _present(measured: Measurement, setup: Setup) -> None:
-    paths = record(measured, setup.out) if setup.out else []
+    paths = []
+    if setup.out:
+        from railgate.odometer.record import record  # matplotlib doubles the time to start
+
+        paths = record(measured, setup.out)
     if setup.json:
         print(json.dumps(measured.as_json(), ensure_ascii=False, allow_nan=False, indent=1))
         return

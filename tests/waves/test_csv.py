@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.waves import Limits, Trace, Waveform, read
+from waves.drawn import assert_reads_or_is_refused, damaged
 
 SALEAE = """Time [s],Channel 0,Channel 1
 -0.000000500,0,1
@@ -149,18 +150,8 @@ def test_a_table_of_one_instant_has_the_resolution_as_tick(tmp_path):
 @given(st.data())
 @settings(deadline=None, max_examples=150)
 def test_a_damaged_table_reads_or_is_refused(tmp_path_factory, data):
-    raw = bytearray(SALEAE.encode())
-    if data.draw(st.booleans()):
-        raw = raw[: data.draw(st.integers(0, len(raw) - 1))]
-    else:
-        for _ in range(data.draw(st.integers(1, 4))):
-            raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
-    path = written(tmp_path_factory.mktemp("csv"), bytes(raw))
-    try:
-        trace, message = read(path), ""
-    except ValueError as error:
-        trace, message = None, str(error)
-    assert isinstance(trace, Trace) or "\n" not in message
+    content = data.draw(damaged(SALEAE.encode()))
+    assert_reads_or_is_refused(written(tmp_path_factory.mktemp("csv"), content))
 
 
 def test_many_columns_take_linear_time(tmp_path):

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.waves import Limits, Trace, Waveform, read, write_parquet
+from waves.drawn import assert_reads_or_is_refused, damaged, signals
 
 SMALL = Trace(
     {"a": Waveform.of([-5, 3, 9], [0, 1, 0]), "b.c": Waveform.of([-5, 2], [-2, 1], 2, True)},
@@ -27,24 +28,13 @@ def traces(draw):
     """Any trace: names, widths, signs, time bases, spans."""
     start = draw(st.integers(-(1 << 62), 1 << 62))
     end = start + draw(st.integers(0, 1000))
-    signals = {}
-    for name in draw(st.lists(st.text(min_size=0, max_size=5), max_size=4, unique=True)):
-        width, signed = draw(st.integers(1, 64)), draw(st.booleans())
-        low, high = (-(1 << width - 1), (1 << width - 1) - 1) if signed else (0, (1 << width) - 1)
-        later = (
-            draw(st.sets(st.integers(start + 1, end - 1), max_size=5)) if end > start + 1 else []
-        )
-        ticks = [start, *sorted(later)]
-        values = [
-            draw(st.one_of(st.sampled_from([low, high]), st.integers(low, high))) for _ in ticks
-        ]
-        signals[name] = Waveform.of(ticks, values, width, signed)
+    names = draw(st.lists(st.text(min_size=0, max_size=5), max_size=4, unique=True))
     period = draw(
         st.fractions(Fraction(1, 1 << 80), 1 << 80).filter(
             lambda p: max(p.numerator, p.denominator) < 10**40
         )
     )
-    return Trace(signals, period, start, end)
+    return Trace(draw(signals(names, start, end)), period, start, end)
 
 
 @given(traces())
@@ -160,18 +150,8 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
 def test_a_damaged_file_reads_or_is_refused(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("pq") / "a.parquet"
     write_parquet(path, SMALL)
-    raw = bytearray(path.read_bytes())
-    if data.draw(st.booleans()):
-        raw = raw[: data.draw(st.integers(0, len(raw) - 1))]
-    else:
-        for _ in range(data.draw(st.integers(1, 4))):
-            raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
-    path.write_bytes(raw)
-    try:
-        trace, message = read(path), ""
-    except ValueError as error:
-        trace, message = None, str(error)
-    assert isinstance(trace, Trace) or "\n" not in message
+    path.write_bytes(data.draw(damaged(path.read_bytes())))
+    assert_reads_or_is_refused(path)
 
 
 def test_a_name_in_every_row_takes_memory_once(tmp_path):

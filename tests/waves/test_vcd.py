@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from railgate.waves import Limits, Trace, Waveform, write_gtkw, write_vcd
 from railgate.waves.wellen import decode
+from waves.drawn import signals
 
 FS = Fraction(1, 10**15)
 
@@ -26,21 +27,10 @@ def traces(draw):
     latest = min((1 << 62) * FS / period, 1 << 62)
     start = draw(st.integers(0, int(latest) // 2))
     end = start + draw(st.integers(0, min(1000, int(latest) // 2)))
-    signals = {}
-    for name in draw(
+    names = draw(
         st.lists(st.sampled_from(["a", "b", "a.b", "a.0.c", "x_1"]), min_size=1, unique=True)
-    ):
-        width, signed = draw(st.integers(1, 64)), draw(st.booleans())
-        low, high = (-(1 << width - 1), (1 << width - 1) - 1) if signed else (0, (1 << width) - 1)
-        later = (
-            draw(st.sets(st.integers(start + 1, end - 1), max_size=5)) if end > start + 1 else []
-        )
-        ticks = [start, *sorted(later)]
-        values = [
-            draw(st.one_of(st.sampled_from([low, high]), st.integers(low, high))) for _ in ticks
-        ]
-        signals[name] = Waveform.of(ticks, values, width, signed)
-    return Trace(signals, period, start, max(end, start + 1))
+    )
+    return Trace(draw(signals(names, start, end)), period, start, max(end, start + 1))
 
 
 @given(traces())

@@ -27,13 +27,12 @@ def record(measurement: Measurement, folder: Path) -> list[Path]:
         "windows.csv": lambda path: _csv(measurement, path),
         "gateware.vcd": lambda path: write_vcd(path, measurement.gateware),
         "gateware.gtkw": lambda path: write_gtkw(path, "gateware.vcd", measurement.gateware),
-        "speed.png": lambda path: draw(measurement, path),
+        "speed.png": lambda path: _picture(measurement, path),
     }
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, write in writers.items():
-            with replacing(folder / name) as path:
-                write(path)
+            write(folder / name)
     except OSError as error:
         raise ValueError(f"{folder} cannot be written: {error.strerror}") from None
     return [folder / name for name in writers]
@@ -45,13 +44,19 @@ def _rows(measurement: Measurement) -> dict[str, list[object]]:
 
 
 def _parquet(measurement: Measurement, path: Path) -> None:
-    pyarrow.parquet.write_table(pa.table(_rows(measurement)), path)
+    with replacing(path) as new:
+        pyarrow.parquet.write_table(pa.table(_rows(measurement)), new)
+
+
+def _picture(measurement: Measurement, path: Path) -> None:
+    with replacing(path) as new:
+        draw(measurement, new)
 
 
 def _csv(measurement: Measurement, path: Path) -> None:
     columns = _rows(measurement)
     columns["flags"] = [" ".join(window.flags) for window in measurement.windows]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as new, new.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(zip(*columns.values(), strict=True))
