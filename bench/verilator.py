@@ -14,6 +14,7 @@ from railgate.engines import Design
 from railgate.engines.compiler import cached, compile_shared, yosys
 from railgate.engines.cxxrtl import clock_port, flat, netlist, run_loop
 from railgate.engines.native import Native
+from railgate.engines.signals import Port
 
 __all__ = ["Verilated"]
 
@@ -24,6 +25,31 @@ MACHINE = """
 
 namespace railgate {
 
+template <size_t Offset, class Narrow>
+void put(Narrow &to, uint64_t bits) {
+    to = Narrow(bits);
+}
+
+template <size_t Offset, size_t Words>
+void put(VlWide<Words> &to, uint64_t bits) {
+    to.at(Offset / 32) = EData(bits);
+    if constexpr (Words > Offset / 32 + 1)
+        to.at(Offset / 32 + 1) = EData(bits >> 32);
+}
+
+template <size_t Offset, class Narrow>
+uint64_t get(const Narrow &from) {
+    return from;
+}
+
+template <size_t Offset, size_t Words>
+uint64_t get(const VlWide<Words> &from) {
+    uint64_t bits = from.at(Offset / 32);
+    if constexpr (Words > Offset / 32 + 1)
+        bits |= uint64_t{from.at(Offset / 32 + 1)} << 32;
+    return bits;
+}
+
 constexpr size_t kInputs = %(ninputs)d, kOutputs = %(noutputs)d, kClocks = %(nclocks)d;
 constexpr bool kSingle = %(single)d;
 
@@ -31,7 +57,7 @@ class Machine {
 public:
     void input(size_t i, uint64_t bits) {
         switch (i) {
-#define X(i, port) case i: top_.port = bits; break;
+#define X(i, port, offset) case i: put<offset>(top_.port, bits); break;
             %(inputs)s
 #undef X
         }
@@ -39,7 +65,7 @@ public:
 
     template <size_t I>
     uint64_t output() const {
-#define X(i, port) if constexpr (I == i) return top_.port;
+#define X(i, port, offset) if constexpr (I == i) return get<offset>(top_.port);
         %(outputs)s
 #undef X
         return 0;
@@ -80,9 +106,9 @@ class Verilated(Native):
 
     def __init__(self, design: Design) -> None:
         signals, _, text = netlist(design)
-        inputs = [flat(port) for port in signals if not port.output]
-        outputs = [flat(port) for port in signals if port.output]
-        clocks = [clock_port(clock) for clock in design.clocks]
+        inputs = [port for port in signals if not port.output]
+        outputs = [port for port in signals if port.output]
+        clocks = [_member(clock_port(clock)) for clock in design.clocks]
         machine = MACHINE % {
             "ninputs": len(inputs),
             "noutputs": len(outputs),
@@ -90,7 +116,7 @@ class Verilated(Native):
             "single": design.single,
             "inputs": _listed(inputs),
             "outputs": _listed(outputs),
-            "clocks": _listed(clocks),
+            "clocks": " ".join(f"X({i}, {clock})" for i, clock in enumerate(clocks)),
         }
         loop = machine + run_loop()
 
@@ -110,9 +136,15 @@ class Verilated(Native):
         super().__init__(design, signals, {}, cached("verilated", sources, build))
 
 
-def _listed(names: list[str]) -> str:
-    """X(index, member) for each port, by the name that Verilator gives to it."""
-    return " ".join(f"X({i}, {name.replace('__', '___05F')})" for i, name in enumerate(names))
+def _listed(ports: list[Port]) -> str:
+    """X(index, member, offset) for each port."""
+    members = enumerate((_member(flat(port)), port.offset) for port in ports)
+    return " ".join(f"X({i}, {name}, {offset})" for i, (name, offset) in members)
+
+
+def _member(name: str) -> str:
+    """The name that Verilator gives to a port."""
+    return name.replace("__", "___05F")
 
 
 def _verilate(folder: Path) -> Path:

@@ -254,18 +254,6 @@ def test_a_domain_of_the_components_own_is_refused(more):
         PySim(design)
 
 
-def test_a_port_that_is_too_wide_is_named():
-    class Wide(wiring.Component):
-        word: Out(512)
-
-        def elaborate(self, _platform):
-            return Module()
-
-    design = Design(name="wide", component=Wide, clocks=(Clock(frequency_hz=HZ),))
-    with pytest.raises(ValueError, match='"word" must be at most 64 bits wide, not 512'):
-        PySim(design)
-
-
 def test_a_run_ends_before_its_ticks_leave_64_bits():
     end = 2**63 - 2**58 + 1
     with pytest.raises(ValueError, match=f"must end at tick {end - 1} at the latest, not {end}"):

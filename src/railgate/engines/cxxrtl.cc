@@ -1,7 +1,7 @@
 // A design that Yosys wrote as C++ (CXXRTL), as the run loop's Machine.
 //
 // Stands behind the generated design and, generated too:
-//   INPUTS(X), OUTPUTS(X)   X(index, member) for each port the design has
+//   INPUTS(X), OUTPUTS(X)   X(index, member, offset) for each port the design has
 //   CLOCKS(X)               X(index, member, member that holds the clock's previous level)
 //   STATE(X)                X(member) for each wire and memory
 //   kInputs, kOutputs, kClocks, kSingle, kSettle in namespace railgate
@@ -19,23 +19,25 @@ struct Unobserved {
     void on_update(Update...) {}
 };
 
-template <size_t Bits>
+// The up to 64 bits from a multiple of 64; none above the width may be set.
+template <size_t Offset = 0, size_t Bits>
 void put(value<Bits> &to, uint64_t bits) {
-    to = value<64>{uint32_t(bits), uint32_t(bits >> 32)}.template zcast<Bits>();
+    to.data[Offset / 32] = uint32_t(bits);
+    if constexpr (Bits > Offset + 32)
+        to.data[Offset / 32 + 1] = uint32_t(bits >> 32);
 }
 
-template <size_t Bits>
+template <size_t Offset, size_t Bits>
 uint64_t get(const value<Bits> &from) {
-    static_assert(Bits <= 64, "an output is too wide");
-    uint64_t bits = from.data[0];
-    if constexpr (Bits > 32)
-        bits |= uint64_t{from.data[1]} << 32;
+    uint64_t bits = from.data[Offset / 32];
+    if constexpr (Bits > Offset + 32)
+        bits |= uint64_t{from.data[Offset / 32 + 1]} << 32;
     return bits;
 }
 
-template <size_t Bits>
+template <size_t Offset, size_t Bits>
 uint64_t get(const wire<Bits> &from) {
-    return get(from.curr);
+    return get<Offset>(from.curr);
 }
 
 // Unlike wire::commit it does not look for a difference first: copying is cheaper than the branch.
@@ -79,8 +81,8 @@ public:
 
     void input(size_t i, uint64_t bits) {
         switch (i) {
-#define X(i, port) \
-    case i: put(top_.port, bits); break;
+#define X(i, port, offset) \
+    case i: put<offset>(top_.port, bits); break;
             INPUTS(X)
 #undef X
         }
@@ -88,8 +90,8 @@ public:
 
     template <size_t I>
     uint64_t output() const {
-#define X(i, port) \
-    if constexpr (I == i) return get(top_.port);
+#define X(i, port, offset) \
+    if constexpr (I == i) return get<offset>(top_.port);
         OUTPUTS(X)
 #undef X
         return 0;
@@ -121,7 +123,7 @@ public:
 #define X(member) visit_member(f, top_.member);
         STATE(X)
 #undef X
-#define X(i, port) visit_member(f, top_.port);
+#define X(i, port, offset) if constexpr (offset == 0) visit_member(f, top_.port);
         INPUTS(X)
 #undef X
     }

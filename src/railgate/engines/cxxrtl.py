@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from amaranth.back import rtlil
-from amaranth.hdl import Fragment, Value
+from amaranth.hdl import ClockDomain, Fragment, Signal, Value
 from amaranth.hdl._ir import PortDirection
 from amaranth.lib.wiring import Out
 
@@ -67,9 +67,16 @@ def netlist(design: Design) -> tuple[tuple[Port, ...], dict[str, Register], str]
         )
         for path, member, value in component.signature.flatten(component)
     }
-    prepared = fragment.prepare(ports=border)
+    prepared = fragment.prepare(ports=border, missing_domain=_domain)
     text, _ = rtlil.convert_fragment(prepared, emit_src=False)
     return signals, {found.written: found.register for found in registers(prepared, 1)}, text
+
+
+def _domain(name: str) -> ClockDomain:
+    """A domain whose clock has its name, so that a member may be called `clk`."""
+    domain = ClockDomain(name)
+    domain.clk = Signal(name=f"{name}_clk")
+    return domain
 
 
 def run_loop() -> str:
@@ -102,9 +109,11 @@ constexpr bool kSingle = {int(design.single)}, kSettle = {int(settle)};
 
 
 def _listed(signals: Sequence[Port], there: Sequence[str]) -> str:
-    """X(index, member) for each of the signals that Yosys kept."""
-    members = [_member(flat(port)) for port in signals]
-    return " ".join(f"X({i}, {name})" for i, name in enumerate(members) if name in there)
+    """X(index, member, offset) for each of the signals that Yosys kept."""
+    members = [(_member(flat(port)), port.offset) for port in signals]
+    return " ".join(
+        f"X({i}, {name}, {offset})" for i, (name, offset) in enumerate(members) if name in there
+    )
 
 
 def _check_clocks(
@@ -124,12 +133,12 @@ def _check_clocks(
 
 
 def clock_port(clock: Clock) -> str:
-    """The name that Amaranth gives to the port of a clock."""
-    return "clk" if clock.domain == "sync" else f"{clock.domain}_clk"
+    """The name of a clock's port."""
+    return f"{clock.domain}_clk"
 
 
 def flat(port: Port) -> str:
-    """The name that Amaranth gives to a port: `sensor__0__a`."""
+    """The name that Amaranth gives to a port's member: `sensor__0__a`."""
     return "__".join(str(part) for part in port.path)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol
@@ -48,8 +48,11 @@ class Design:
     """A component, its clocks, and its model.
 
     component: makes the Amaranth component; the members of its signature are the signals of
-    stimulus and result, path joined by dots, as `sensor.0.a`. The reset of each domain is an input
-    too: `rst`, of a domain other than sync `<domain>_rst`; not driven, it is 0.
+    stimulus and result, path joined by dots, as `sensor.0.a`. A member `word` of 65 to 4096 bits is
+    the signals `word.0`, `word.1`, … of 64 bits, least significant first, the last one of the bits
+    that remain and, of a signed member, the only signed one (railgate.engines.signals.parts). The
+    reset of each domain is an input too: `rst`, of a domain other than sync `<domain>_rst`; not
+    driven, it is 0.
     model: makes the event-driven twin with the same signals, None where there is none.
 
     Time base: with one clock without phase a tick is its period. Otherwise a tick is one
@@ -90,8 +93,11 @@ class Engine(Protocol):
     def registers(self) -> tuple[str, ...]:
         """The names that `poke` takes: registers of up to 64 bits."""
 
-    def advance(self, until: int, stimulus: Trace) -> Trace:
-        """Run the ticks now ≤ k < until; the result has every output over just these.
+    def advance(self, until: int, stimulus: Trace, outputs: Collection[str] | None = None) -> Trace:
+        """Run the ticks now ≤ k < until; the result has the outputs over just these.
+
+        outputs: their names, None for all; an output that is not asked for costs no memory, and
+        a model no time. Raises ValueError where there is none of that name.
 
         The stimulus covers at least these ticks, in the design's time base. It may leave out
         inputs: they keep what they last held, 0 at first. Raises ValueError where it does not fit.

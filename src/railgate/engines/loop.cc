@@ -68,7 +68,8 @@ public:
         });
     }
 
-    void run(int64_t until, const Wave *waves) {
+    void run(int64_t until, const Wave *waves, const uint8_t *wanted) {
+        std::copy_n(wanted, kOutputs, wanted_.begin());
         for (Channel &channel : channels_) {
             channel.ticks.clear();
             channel.values.clear();
@@ -150,14 +151,18 @@ private:
     __attribute__((noinline)) void record(size_t i, uint64_t value) {
         if (!fresh_ && value == last_[i])
             return;
+        last_[i] = value;
+        if (!wanted_[i])
+            return;
         channels_[i].ticks.push_back(now_);
-        channels_[i].values.push_back(last_[i] = value);
+        channels_[i].values.push_back(value);
     }
 
     Machine machine_;
     int64_t now_ = 0;
     uint64_t fresh_ = 1;
     std::array<uint64_t, kOutputs + 1> last_{};
+    std::array<uint8_t, kOutputs + 1> wanted_{};
     std::array<Clock, kClocks> clocks_;
     std::array<Channel, kOutputs> channels_;
     std::vector<Register> registers_;
@@ -175,10 +180,10 @@ RAILGATE_API Engine *railgate_open(const void *clocks) { return new Engine(clock
 
 RAILGATE_API void railgate_close(Engine *engine) { delete engine; }
 
-// counts: per output how many changes it had. Returns their sum.
+// wanted: per output whether its changes are kept. counts: how many it had then. Returns their sum.
 RAILGATE_API int64_t railgate_run(Engine *engine, int64_t until, const railgate::Wave *waves,
-                                  int64_t *counts) {
-    engine->run(until, waves);
+                                  const uint8_t *wanted, int64_t *counts) {
+    engine->run(until, waves, wanted);
     int64_t sum = 0;
     for (size_t i = 0; i < railgate::kOutputs; i++)
         sum += counts[i] = int64_t(engine->channel(i).ticks.size());

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 from hashlib import sha256
 from math import lcm
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgate.engines.design import Clock, Design
-from railgate.engines.signals import Port, Register, check, poked
+from railgate.engines.signals import Port, Register, check, chosen, poked
 from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Values, storage
 
@@ -69,24 +69,32 @@ class Native:
         """The names that `poke` takes."""
         return tuple(self._registers)
 
-    def advance(self, until: int, stimulus: Trace) -> Trace:
-        """Run the ticks now ≤ k < until; the result has every output over just these."""
+    def advance(self, until: int, stimulus: Trace, outputs: Collection[str] | None = None) -> Trace:
+        """Run the ticks now ≤ k < until; see Engine.advance."""
         start = self._now
         design = self._design
         check(stimulus, design.name, design.period, start, until, self._inputs)
+        told = set(chosen(outputs, [port.name for port in self._outputs], design.name))
+        wanted = np.array([port.name in told for port in self._outputs], np.uint8)
         held = [_part(stimulus.signals.get(port.name), start, until) for port in self._inputs]
         waves = (_Wave * len(held))(
             *(_Wave(ticks.ctypes.data, values.ctypes.data, ticks.size) for ticks, values in held)
         )
         counts = np.zeros(len(self._outputs), np.int64)
         total = self._c.railgate_run(
-            self._handle, until, ctypes.addressof(waves), counts.ctypes.data
+            self._handle,
+            until,
+            ctypes.addressof(waves),
+            wanted.ctypes.data,
+            counts.ctypes.data,
         )
         ticks, values = np.empty(total, np.int64), np.empty(total, np.uint64)
         self._c.railgate_take(self._handle, ticks.ctypes.data, values.ctypes.data)
         self._now = until
         signals, at = {}, 0
         for port, count in zip(self._outputs, counts.tolist(), strict=True):
+            if port.name not in told:
+                continue
             part = slice(at, at := at + count)
             narrow = _typed(values[part], port)
             signals[port.name] = Waveform(ticks[part].copy(), narrow, port.width, port.signed)
@@ -127,7 +135,7 @@ def _interface(library: Path) -> ctypes.CDLL:
     for name, result, *arguments in (
         ("open", _POINTER, ctypes.c_char_p),
         ("close", None, _POINTER),
-        ("run", _TICK, _POINTER, _TICK, _POINTER, _POINTER),
+        ("run", _TICK, _POINTER, _TICK, _POINTER, _POINTER, _POINTER),
         ("take", None, _POINTER, _POINTER, _POINTER),
         ("size", _TICK, _POINTER),
         ("save", None, _POINTER, _POINTER),
@@ -165,11 +173,12 @@ def _edges(clock: Clock) -> bytes:
 def _part(
     wave: Waveform | None, start: int, until: int
 ) -> tuple[NDArray[np.int64], NDArray[np.uint64]]:
-    """What the signal holds at `start` and its changes before `until`; nothing without one."""
+    """What the signal holds at `start` and its changes before `until`, as bits; nothing without
+    one."""
     if wave is None or until == start:
         return np.empty(0, np.int64), np.empty(0, np.uint64)
     part = wave.slice(start, until)
-    return part.ticks, part.values.astype(np.uint64)
+    return part.ticks, part.values.astype(np.uint64) & np.uint64((1 << wave.width) - 1)
 
 
 def _typed(bits: NDArray[np.uint64], port: Port) -> Values:

@@ -11,7 +11,7 @@ from amaranth.hdl import Value
 from amaranth.lib.wiring import Out
 
 from railgate.engines.design import Clock
-from railgate.engines.signals import Port, Register
+from railgate.engines.signals import Port, Register, parts
 from railgate.waves.waveform import MAX_WIDTH
 
 if TYPE_CHECKING:
@@ -21,22 +21,27 @@ __all__ = ["Driven", "ports", "registers"]
 
 
 def ports(component: wiring.Component, clocks: Sequence[Clock]) -> tuple[Port, ...]:
-    """The members of the signature in its order, a structure as one unsigned number, then the
-    reset of each clock's domain: `rst`, or `<domain>_rst` of a domain other than sync.
+    """The members of the signature in its order, a structure as one unsigned number and a wide one
+    in its parts, then the reset of each clock's domain: `rst`, or `<domain>_rst` of a domain other
+    than sync.
 
-    Raises ValueError where a member is wider than a signal may be.
+    Raises ValueError where a member is too wide, and where two signals have the same name.
     """
     found = []
     for path, member, value in component.signature.flatten(component):
         shape = Value.cast(value).shape()
         name = ".".join(str(part) for part in path)
-        if not 1 <= shape.width <= MAX_WIDTH:
-            allowed = f"at most {MAX_WIDTH} bits" if shape.width else "at least 1 bit"
-            raise ValueError(f'"{name}" must be {allowed} wide, not {shape.width}')
-        found.append(Port(name, shape.width, shape.signed, member.flow == Out, tuple(path)))
+        for part, width, offset in parts(name, shape.width):
+            signed = shape.signed and offset + width == shape.width
+            found.append(Port(part, width, signed, member.flow == Out, tuple(path), offset))
     for clock in clocks:
         name = "rst" if clock.domain == "sync" else f"{clock.domain}_rst"
         found.append(Port(name, 1, False, False, (name,)))
+    for name, count in Counter(port.name for port in found).items():
+        if count > 1:
+            raise ValueError(
+                f'each signal must have a name of its own, not {count} of them "{name}"'
+            )
     return tuple(found)
 
 

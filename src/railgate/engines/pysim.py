@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -16,7 +16,7 @@ from amaranth.sim import Simulator
 
 from railgate.engines.design import Clock, Design
 from railgate.engines.ports import ports, registers
-from railgate.engines.signals import Port, check, poked
+from railgate.engines.signals import Port, check, chosen, poked
 from railgate.waves import Trace, Waveform
 
 if TYPE_CHECKING:
@@ -24,8 +24,30 @@ if TYPE_CHECKING:
 
 __all__ = ["PySim"]
 
-Event = tuple[int, Any, int | None]
-"""A tick, the slot of a signal, and the value it takes; None: a clock's active edge."""
+
+@dataclass(frozen=True)
+class Part:
+    """The bits of a signal's slot that a port stands for: those of `mask`, from bit `offset`.
+
+    The mask of a signed port has no end, as the numbers in its slot have none.
+    """
+
+    slot: Any
+    offset: int = 0
+    mask: int = -1
+
+    @property
+    def value(self) -> int:
+        """What these bits hold, settled."""
+        return int(self.slot.curr & self.mask) >> self.offset
+
+    def update(self, value: int) -> None:
+        """Drive these bits only."""
+        self.slot.update(value << self.offset, self.mask)
+
+
+Event = tuple[int, Part, int | None]
+"""A tick, the part of a signal, and the value it takes; None: a clock's active edge."""
 
 
 @dataclass(frozen=True)
@@ -61,15 +83,17 @@ class PySim:
         self._outputs = [port for port in self._ports if port.output]
 
         self._engine = simulator._engine
-        self._clocks = [self._slot(domain.clk) for domain in domains]
+        self._clocks = [Part(self._slot(domain.clk)) for domain in domains]
         members = [_member(component, port) for port in self._ports[: -len(domains)]]
         signals = (*members, *(domain.rst for domain in domains))
-        self._slots = {
-            port.name: self._slot(signal) for port, signal in zip(self._ports, signals, strict=True)
+        self._parts = {
+            port.name: _part(port, self._slot(signal))
+            for port, signal in zip(self._ports, signals, strict=True)
         }
         self._changed: list[Port] = []
         for port in self._outputs:
-            self._slots[port.name].wakers.append(partial(self._note, port))
+            part = self._parts[port.name]
+            part.slot.wakers.append(partial(self._note, port, part.mask))
         found = list(registers(simulator._design, 2))
         self._registers = {each.register.name: each.register for each in found}
         self._forced = {each.register.name: self._slot(each.signal) for each in found}
@@ -89,8 +113,9 @@ class PySim:
         state = self._engine.state
         return state.slots[state.get_signal(signal)]
 
-    def _note(self, port: Port, _current: int, _next: int) -> bool:
-        self._changed.append(port)
+    def _note(self, port: Port, mask: int, current: int, following: int) -> bool:
+        if (current ^ following) & mask:
+            self._changed.append(port)
         return True
 
     @property
@@ -103,70 +128,74 @@ class PySim:
         """The names that `poke` takes."""
         return tuple(self._registers)
 
-    def advance(self, until: int, stimulus: Trace) -> Trace:
+    def advance(self, until: int, stimulus: Trace, outputs: Collection[str] | None = None) -> Trace:
         """Run the ticks now ≤ k < until; see Engine.advance."""
         design = self._design
         check(stimulus, design.name, design.period, self._now, until, self._inputs)
+        told = set(chosen(outputs, [port.name for port in self._outputs], design.name))
+        kept = [port for port in self._outputs if port.name in told]
         start = self._now
         if until > start:
             for name, wave in stimulus.signals.items():
-                self._slots[name].update(int(wave.at(start)))
+                self._parts[name].update(int(wave.at(start)))
         self._engine.step_design()
-        record = {p.name: ([start], [self._slots[p.name].curr]) for p in self._outputs}
+        record = {p.name: ([start], [self._parts[p.name].value]) for p in kept}
         self._changed.clear()
         for tick, events in groupby(self._events(until, stimulus), key=itemgetter(0)):
             self._step(events)
             if tick < until:
                 for port in self._changed:
+                    if port.name not in told:
+                        continue
                     ticks, values = record[port.name]
                     ticks.append(tick)
-                    values.append(self._slots[port.name].curr)
+                    values.append(self._parts[port.name].value)
             self._changed.clear()
         self._now = until
-        waves = {p.name: Waveform.of(*record[p.name], p.width, p.signed) for p in self._outputs}
+        waves = {p.name: Waveform.of(*record[p.name], p.width, p.signed) for p in kept}
         return Trace(waves, self._design.period, start, until)
 
     def _events(self, until: int, stimulus: Trace) -> Iterator[Event]:
         """What happens after `now`, by tick: edges up to and with `until`, inputs before it."""
         sources = [
-            self._edges(clock, slot, until)
-            for clock, slot in zip(self._design.clocks, self._clocks, strict=True)
+            self._edges(clock, part, until)
+            for clock, part in zip(self._design.clocks, self._clocks, strict=True)
         ]
         sources += [
-            self._changes(self._slots[name], wave, until) for name, wave in stimulus.signals.items()
+            self._changes(self._parts[name], wave, until) for name, wave in stimulus.signals.items()
         ]
         return heapq.merge(*sources, key=itemgetter(0))
 
-    def _edges(self, clock: Clock, slot: Any, until: int) -> Iterator[Event]:
+    def _edges(self, clock: Clock, part: Part, until: int) -> Iterator[Event]:
         period = clock.period / self._design.period
         first = max(0, math.floor(self._now / period - clock.phase))
         at = (first + 1 + clock.phase) * period
         unit = math.lcm(at.denominator, period.denominator)
         time, step = int(at * unit), int(period * unit)
         while (tick := -(-time // unit)) <= until:
-            yield tick, slot, None
+            yield tick, part, None
             time += step
 
-    def _changes(self, slot: Any, wave: Waveform, until: int) -> Iterator[Event]:
+    def _changes(self, part: Part, wave: Waveform, until: int) -> Iterator[Event]:
         low, high = wave.ticks.searchsorted((self._now + 1, until))
         for at in range(low, high):
-            yield int(wave.ticks[at]), slot, int(wave.values[at])
+            yield int(wave.ticks[at]), part, int(wave.values[at])
 
     def _step(self, events: Iterator[Event]) -> None:
         """The events of one tick: its clock edges, which sample the inputs before, then inputs."""
         clocks, inputs = [], []
-        for _, slot, value in events:
+        for _, part, value in events:
             if value is None:
-                slot.update(1)
-                clocks.append(slot)
+                part.update(1)
+                clocks.append(part)
             else:
-                inputs.append((slot, value))
+                inputs.append((part, value))
         if clocks:
             self._engine.step_design()
-        for slot in clocks:
-            slot.update(0)
-        for slot, value in inputs:
-            slot.update(value)
+        for part in clocks:
+            part.update(0)
+        for part, value in inputs:
+            part.update(value)
         self._engine.step_design()
 
     def poke(self, name: str, value: int) -> None:
@@ -224,6 +253,11 @@ def _own_domains(fragment: Fragment) -> Iterator[str]:
     yield from fragment.domains
     for part, *_ in fragment.subfragments:
         yield from _own_domains(part)
+
+
+def _part(port: Port, slot: Any) -> Part:
+    bits = -1 if port.signed else (1 << port.width) - 1
+    return Part(slot, port.offset, bits << port.offset)
 
 
 def _member(component: wiring.Component, port: Port) -> Value:

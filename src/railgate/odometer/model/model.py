@@ -6,6 +6,7 @@ Its cost goes with edges, strobes and ready changes, not with ticks.
 from __future__ import annotations
 
 import copy
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -13,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.engines.signals import Port, Register, check, poked
-from railgate.odometer.model.inputs import NO_TICKS, Input, stretches
+from railgate.engines.columns import Columns
+from railgate.engines.inputs import NO_TICKS, Input, stretches
+from railgate.engines.signals import Port, Register, check, chosen, poked
 from railgate.odometer.model.kernel import SNAPSHOT, edges, limits, new_sensor, run
-from railgate.odometer.model.snapshots import Columns, busy, gates
+from railgate.odometer.model.snapshots import busy, gates
 from railgate.odometer.model.stamping import PAYLOAD_BITS, Fifo
-from railgate.odometer.spec import STATE, Config, Flag
+from railgate.odometer.spec import STATE, Config, Field, Flag
 from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Ticks
 
@@ -44,12 +46,7 @@ class Sensor:
             if fresh:
                 self.record[name] = new.level
             before = int(self.record[name][0]) ^ (seen.size & 1)
-            changed = [start] if new.level != before else []
-            changes = new.changes
-            if seen.size or changed:
-                changes = np.concatenate([seen, np.array(changed, np.int64), changes])
-                changes.flags.writeable = False
-            pins.append(changes)
+            pins.append(new.after(seen, before, start))
         return pins[0], pins[1]
 
 
@@ -93,11 +90,12 @@ class Model:
         self._config = config
         self._limits = limits(config)
         self._period = Fraction(1, config.clock_hz)
-        self._common, self._fields = Columns(config.common_fields), Columns(config.sensor_fields)
+        self._common, self._fields = columns(config.common_fields), columns(config.sensor_fields)
         pins = ("a", "b", "stamps.ready") if config.stamp_depth else ("a", "b")
         names = [f"sensor.{i}.{pin}" for i in range(config.sensors) for pin in pins]
         names += ["strobe", "rst"]
         self._inputs = [Port(name, 1, False, False, tuple(name.split("."))) for name in names]
+        self._outputs = _outputs(config)
         self._registers = _registers(config)
         self._reset(0, 0, dict.fromkeys(names, 0))
 
@@ -126,8 +124,9 @@ class Model:
             raise ValueError(f"a checkpoint must be of {self._config}, not of {config}")
         self._state = copy.deepcopy(state)
 
-    def advance(self, until: int, stimulus: Trace) -> Trace:
+    def advance(self, until: int, stimulus: Trace, outputs: Collection[str] | None = None) -> Trace:
         """Run the ticks now ≤ k < until. Raises ValueError."""
+        wanted = chosen(outputs, self._outputs, NAME)
         check(stimulus, NAME, self._period, self.now, until, self._inputs)
         state, start = self._state, self.now
         inputs = {name: Input(level, NO_TICKS) for name, level in state.held.items()}
@@ -142,7 +141,7 @@ class Model:
                 if end < until:
                     parts.append(self._part(end, end, []))
         self._state.held, self._state.now = held, until
-        return Trace(self._waves(parts), self._period, start, until)
+        return Trace(self._waves(parts, wanted), self._period, start, until)
 
     def _reset(self, end: int, origin: int, held: dict[str, int]) -> None:
         """All as at start: reset in the ticks end - 1 … origin - 1, of which the last is 0 again.
@@ -232,21 +231,32 @@ class Model:
         state.rows = state.rows[:, last - 1 :].copy()
         return part
 
-    def _waves(self, parts: list[Part]) -> dict[str, Waveform]:
+    def _waves(self, parts: list[Part], names: list[str]) -> dict[str, Waveform]:
         ticks = joined([part.ticks for part in parts])
         waves = {"busy": Waveform.of(*join([part.busy for part in parts]))}
-        waves |= self._common.waves(ticks, joined([part.common for part in parts]), "")
+        waves |= self._common.waves(ticks, joined([part.common for part in parts]), names)
         for i in range(self._config.sensors):
             rows = joined([part.rows[i] for part in parts])
             table = rows.view(np.int64).reshape(ticks.size, -1)
-            waves |= self._fields.waves(ticks, table, f"sensor.{i}.")
+            waves |= self._fields.waves(ticks, table, names, f"sensor.{i}.")
             if self._config.stamp_depth:
                 at, what = join([part.stamps[i] for part in parts])
                 waves[f"sensor.{i}.stamps.valid"] = Waveform.of(at, what >= 0)
                 waves[f"sensor.{i}.stamps.payload"] = Waveform.of(
                     at, np.maximum(what, 0), PAYLOAD_BITS
                 )
-        return waves
+        return {name: waves[name] for name in names}
+
+
+def columns(fields: tuple[Field, ...]) -> Columns:
+    return Columns((field.name, field.width, field.signed) for field in fields)
+
+
+def _outputs(config: Config) -> list[str]:
+    names = ["busy", *(field.name for field in config.common_fields)]
+    of_sensor = [field.name for field in config.sensor_fields]
+    of_sensor += ["stamps.valid", "stamps.payload"] if config.stamp_depth else []
+    return names + [f"sensor.{i}.{name}" for i in range(config.sensors) for name in of_sensor]
 
 
 def _registers(config: Config) -> dict[str, Register]:

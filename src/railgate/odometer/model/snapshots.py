@@ -1,4 +1,4 @@
-"""The snapshots of the odometer's model: when they are taken, and the waveforms they make."""
+"""The snapshots of the odometer's model: when they are taken."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from railgate.odometer.spec import Field
-from railgate.waves import Waveform
-from railgate.waves.waveform import Ticks, storage
+from railgate.waves.waveform import Ticks
 
-__all__ = ["Columns", "busy", "gates"]
+__all__ = ["busy", "gates"]
 
 
 @njit(cache=True, nogil=True)
@@ -33,45 +31,6 @@ def gates(strobe: Ticks, level: int, start: int, end: int, free: int, latency: i
             n += 1
             tick = free = tick + latency
     return found[:n]
-
-
-@njit(cache=True, nogil=True)
-def changes(ticks: Ticks, table: NDArray[np.int64]) -> tuple[Ticks, NDArray[np.int64], Ticks]:
-    """Each column of `table`, whose rows begin at `ticks`, without its repeats.
-
-    Returns the ticks and values of all columns one after the other, and where each ends.
-    """
-    rows, columns = table.shape
-    at, values = np.empty(table.size, np.int64), np.empty(table.size, np.int64)
-    ends, n = np.empty(columns, np.int64), 0
-    for column in range(columns):
-        for row in range(rows):
-            value = table[row, column]
-            if row == 0 or value != table[row - 1, column]:
-                at[n], values[n] = ticks[row], value
-                n += 1
-        ends[column] = n
-    return at, values, ends
-
-
-class Columns:
-    """Makes waveforms of the columns of a table, one for each of `fields`."""
-
-    def __init__(self, fields: tuple[Field, ...]) -> None:
-        self._fields = [
-            (field.name, field.width, field.signed, storage(field.width, field.signed))
-            for field in fields
-        ]
-
-    def waves(self, ticks: Ticks, table: NDArray[np.int64], prefix: str) -> dict[str, Waveform]:
-        """Name -> waveform. ticks: where the rows begin, shape (n,); table: (n, fields)."""
-        at, values, ends = changes(ticks, table)
-        made, start = {}, 0
-        for (name, width, signed, dtype), end in zip(self._fields, ends.tolist(), strict=True):
-            held = values[start:end].astype(dtype)
-            made[prefix + name] = Waveform.known(at[start:end], held, width, signed)
-            start = end
-        return made
 
 
 def busy(shown: Ticks, start: int, end: int, latency: int) -> tuple[Ticks, NDArray[np.bool_]]:
