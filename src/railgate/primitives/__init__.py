@@ -1,5 +1,14 @@
 """Gateware that every function shares."""
 
+from railgate.primitives.divider import FractionalDivider
 from railgate.primitives.inputs import FilteredInput
+from railgate.primitives.serial import SerialCheck, SerialTransmitter
+from railgate.primitives.timer import OneShot
 
-__all__ = ["FilteredInput"]
+__all__ = [
+    "FilteredInput",
+    "FractionalDivider",
+    "OneShot",
+    "SerialCheck",
+    "SerialTransmitter",
+]

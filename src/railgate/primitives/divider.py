@@ -1,0 +1,36 @@
+"""A fractional divider: a rate that is no whole part of the clock's, exact in the mean."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Module, Mux, Signal, signed
+from amaranth.lib import wiring
+from amaranth.lib.wiring import Out
+
+__all__ = ["FractionalDivider"]
+
+
+class FractionalDivider(wiring.Component):
+    """Strobes `numerator` times in `denominator` ticks, 1 ≤ numerator ≤ denominator.
+
+    strobe: out, 1 bit; number n = 0, 1, … is in tick delay_ticks + ⌈n · denominator / numerator⌉.
+
+    Its register `remainder` is, after t ticks with n strobes,
+    numerator · (t - delay_ticks) - denominator · n: a strobe is due as soon as it is not negative.
+    """
+
+    def __init__(self, numerator: int, denominator: int, delay_ticks: int = 0) -> None:
+        self._numerator = numerator
+        self._denominator = denominator
+        self._delay_ticks = delay_ticks
+        super().__init__({"strobe": Out(1)})
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        start = -self._numerator * self._delay_ticks
+        after_strobe = self._numerator - self._denominator
+        lowest = min(start, after_strobe)
+        width = 1 + max(self._numerator - 1, -lowest - 1).bit_length()
+        remainder = Signal(signed(width), init=start)
+        m.d.comb += self.strobe.eq(remainder >= 0)
+        m.d.sync += remainder.eq(remainder + Mux(self.strobe, after_strobe, self._numerator))
+        return m
