@@ -39,14 +39,15 @@ lint: setup
 bench: setup
 	$(BIN)/python -m bench
 
-# The slowest evidence: long random comparisons that `test` leaves out.
+# The slowest evidence: long random comparisons that `test` leaves out, and all proofs.
 evidence: setup
 	$(BIN)/pytest -m slow
+	$(BIN)/railgate prove --mutants
 
 lock: setup
 	$(BIN)/pip install --quiet uv==0.13.9
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-annotate --no-header \
-		--extra cxxrtl --group dev --group bench pyproject.toml --output-file requirements.lock
+		--extra cxxrtl --extra prove --group dev --group bench pyproject.toml --output-file requirements.lock
 
 clean:
 	rm -rf $(VENV) build

@@ -4,7 +4,7 @@ import inspect
 import json
 import re
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import get_type_hints
 
@@ -12,6 +12,7 @@ import pyarrow.parquet
 import pytest
 from typer.models import OptionInfo
 
+from proving.counting import NeverAbove, claim
 from railgate import cli
 from railgate.cli import main
 from railgate.odometer.spec import Flag
@@ -104,6 +105,53 @@ def test_simulate_takes_a_profile_from_a_file(railgate, tmp_path) -> None:
     assert json.loads(out)["distance_m"] == pytest.approx(200, abs=0.01)
 
 
+@pytest.fixture
+def claimed(monkeypatch) -> None:
+    """Two claims of a counter, of which one is wrong."""
+    right, wrong = claim(NeverAbove), claim(lambda: NeverAbove(3))
+    there = (replace(right, name="counter.right"), replace(wrong, name="counter.wrong", fast=False))
+    monkeypatch.setattr("railgate.evidence.claims.claims", lambda: there)
+
+
+@pytest.mark.usefixtures("claimed")
+def test_prove_prints_a_table_and_ends_with_1_where_a_claim_fails(railgate, tmp_path) -> None:
+    code, out, _ = railgate("prove", "--out", str(tmp_path))
+    assert code == 1
+    assert re.search(r"counter\.right .* ODO-9 .* induction, k = 1 .* proven", out)
+    assert "counter.wrong: failed: holds is 0 in tick 4" in out
+    found = tmp_path / "counter.wrong" / "counterexample.vcd"
+    assert f"wrote {found}" in out
+    again = railgate("prove", "counter.wrong", "--replay", str(found))
+    assert again == (1, "counter.wrong: holds is 0 in tick 4\n", "")
+    again = railgate("prove", "counter.right", "--replay", str(found))
+    assert again == (0, "counter.right: holds throughout\n", "")
+
+
+@pytest.mark.usefixtures("claimed")
+def test_prove_prints_an_array_as_documented(railgate, tmp_path) -> None:
+    code, out, _ = railgate("prove", "--fast", "--json", "--out", str(tmp_path))
+    (result,) = json.loads(out)
+    assert code == 0
+    assert (result["name"], result["status"], result["bound"]) == ("counter.right", "proven", None)
+    assert result["mutants"] == [{"name": n, "rejected": None} for n in ("one", "two")]
+    page = DOCS.partition("## railgate prove")[2].partition("## railgate doctor")[0]
+    assert result.keys() <= set(re.findall(r"`(\w+)`", page.partition("| name |")[2]))
+
+
+@pytest.mark.usefixtures("claimed")
+def test_prove_with_mutants_fails_where_one_passes(railgate, tmp_path) -> None:
+    code, out, _ = railgate("prove", "counter.right", "--mutants", "--out", str(tmp_path))
+    assert code == 1
+    assert "counts as unproven: one, two not rejected" in out
+    assert "0 of 2" in out
+
+
+@pytest.mark.usefixtures("claimed")
+def test_nothing_to_prove_is_no_success(railgate) -> None:
+    code, out, err = railgate("prove", "counter.wrong", "--fast")
+    assert (code, out, err) == (2, "", "railgate: --fast leaves no claim to prove\n")
+
+
 def test_doctor_finds_every_engine_running(railgate) -> None:
     code, out, _ = railgate("doctor")
     assert code == 0
@@ -112,7 +160,7 @@ def test_doctor_finds_every_engine_running(railgate) -> None:
 
 
 def test_every_command_has_help_and_a_page(railgate) -> None:
-    for command in (("measure",), ("simulate", "odometer"), ("doctor",)):
+    for command in (("measure",), ("simulate", "odometer"), ("prove",), ("doctor",)):
         code, out, _ = railgate(*command, "--help")
         assert code == 0
         assert "Usage" in out
@@ -124,7 +172,10 @@ def test_the_tables_of_options_are_those_of_the_commands() -> None:
     told = [(field.name, hints[field.name]) for field in fields(Setup)]
     for command in (cli.measure_, cli.simulate_odometer):
         told += [(n, p.annotation) for n, p in inspect.signature(command).parameters.items()]
+    told += get_type_hints(cli.prove_, include_extras=True).items()
     for name, annotation in told:
+        if name == "return":
+            continue
         option = next(m for m in annotation.__metadata__ if hasattr(m, "help"))
         if isinstance(option, OptionInfo) and name not in ("a", "b", "window"):
             row = rf"\| `--{name.replace('_', '-')}` \| [^|]* \| {re.escape(option.help)} \|"
@@ -168,6 +219,11 @@ MEASURE = ("measure", FAST, "--a", "XA", "--b", "XB")
         (("simulate", "odometer", "--profile", "fall"), "constant, ramp, run, shuttle or a file"),
         (("simulate", "odometer", "--seconds", "0"), "seconds must be above 0"),
         (("simulate", "odometer", "--duty", "2"), "duty must be between"),
+        (("prove", "odometre"), 'no claim "odometre"; there are: odometer.'),
+        (("prove", "odometer.inputs", "--solver", "guess"), 'yices, z3, not "guess"'),
+        (("prove", "odometer.inputs", "--timeout", "0s"), "must be above 0 s, not 0"),
+        (("prove", "odometer.inputs", "--replay", FAST), "--replay needs one claim, not 2"),
+        (("prove", "odometer.inputs-reject", "--replay", FAST), 'no channel "pin"'),
     ],
 )
 def test_a_bad_call_is_one_clear_line_and_exit_code_2(railgate, arguments, says) -> None:

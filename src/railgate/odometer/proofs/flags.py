@@ -1,0 +1,75 @@
+"""Flags: what happened is told by exactly one snapshot."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Module, Mux, Signal
+
+from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.spec import Config, Flag
+from railgate.proving import Claim, Induction, Mutant, Search
+
+__all__ = ["CLAIMS"]
+
+TWO_READS = 40
+"""Ticks from reset within which two successive snapshots can be told."""
+
+
+class _Flags(Observed):
+    """A snapshot's flags are what happened after the strobe before, up to this strobe's tick."""
+
+    def __init__(self) -> None:
+        super().__init__(Config(), lemmas=("live", "carried"))
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.odometer(m)
+
+        pending = Signal(len(Flag))
+        pending_now = pending | inner["sensor_0.happened"]
+        m.d.sync += pending.eq(Mux(self.strobes.opens, 0, pending_now))
+        told, carried = self.reports(m, inner, {"flags": pending_now})
+
+        live, latches = inner["sensor_0.flags"], self.strobes.latches
+        m.d.comb += [
+            self.lemma.live.eq(
+                Mux(latches, (live == self.at_strobe["flags"]) & (pending == 0), live == pending)
+            ),
+            self.lemma.carried.eq(carried),
+            self.holds.eq(told),
+            self.reached.eq(self.strobes.delivers & (inner["sensor.0.flags"] != 0)),
+        ]
+        return m
+
+
+def _mutant(name: str, old: str, new: str, file: str = "sensor") -> Mutant:
+    return Mutant(name, f"railgate.odometer.gateware.{file}", old, new, Search(TWO_READS))
+
+
+CLAIMS = (
+    Claim(
+        name="odometer.flags",
+        claim=(
+            "Whatever the alignment of events and strobes, the flags of a snapshot are those of "
+            "the events after the strobe before, up to and with this strobe's tick: each event is "
+            "told by exactly one snapshot (default configuration)."
+        ),
+        requirements=("ODO-7", "ODO-12"),
+        monitor=_Flags,
+        method=Induction(),
+        cover=Search(TWO_READS),
+        mutants=(
+            _mutant(
+                "strobe-wins-over-event",
+                "Mux(self.latch, 0, self.flags) | happened",
+                "Mux(self.latch, 0, self.flags | happened)",
+            ),
+            _mutant(
+                "not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"
+            ),
+            _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags"),
+            _mutant(
+                "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", "odometer"
+            ),
+        ),
+    ),
+)
