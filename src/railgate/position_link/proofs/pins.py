@@ -1,0 +1,65 @@
+"""The levels behind the filters as the contract has them, told from the pins' past alone."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from railgate.proving import Internals
+
+__all__ = ["Level"]
+
+SEATED = 3
+"""The tick in which the pin's level at start is the filtered one."""
+
+
+class Level(wiring.Component):
+    """A pin's level, once it was held for more than `filter_ticks`, 3 + filter_ticks late.
+
+    pin: in, 1 bit. level: out, 1 bit. rise, fall: out, 1 bit, it is new in this tick; the level at
+    start is no edge.
+    """
+
+    def __init__(self, filter_ticks: int) -> None:
+        self._filter_ticks = filter_ticks
+        self._past = Signal(SEATED + filter_ticks)  # bit n: the pin n + 1 ticks ago
+        self._tick = Signal(range(SEATED + 2))
+        self._before = Signal()
+        super().__init__({name: Out(1) for name in ("level", "rise", "fall")} | {"pin": In(1)})
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        tick, held = self._tick, self._past[SEATED - 1 :]
+        told = tick == SEATED + 1
+        m.d.sync += [
+            self._past.eq(Cat(self.pin, self._past)),
+            tick.eq(Mux(told, tick, tick + 1)),
+            self._before.eq(self.level),
+        ]
+        m.d.comb += [
+            self.rise.eq(told & held.all() & ~self._before),
+            self.fall.eq(told & ~held.any() & self._before),
+            self.level.eq(Mux(told, self._before ^ (self.rise | self.fall), 0)),
+        ]
+        with m.If(tick == SEATED):
+            m.d.comb += self.level.eq(held[0])
+        return m
+
+    def agrees(self, inner: Internals, path: str) -> Value:
+        """The invariant that binds the input `path` of the gateware to the pin's past."""
+        held, past = inner[f"{path}.held"], self._past[SEATED - 1 :]
+        other = past ^ self.level.replicate(len(past))
+        runs = [
+            (held == n) & (self._tick >= SEATED + min(n, 1)) & other[:n].all() & ~other[n]
+            for n in range(len(past))
+        ]
+        return Cat(
+            inner[f"{path}.synchroniser.stage0"] == self._past[0],
+            inner[f"{path}.synchroniser.stage1"] == self._past[1],
+            inner[f"{path}.age"] == self._tick,
+            inner[f"{path}.level"] == self.level,
+            inner[f"{path}.previous"] == self._before,
+            self._tick <= SEATED + 1,
+            Mux(self._tick < SEATED, held == 0, Cat(*runs).any()),
+        ).all()
