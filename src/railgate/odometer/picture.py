@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from railgate.odometer.measure import Measurement
 from railgate.odometer.spec import Flag
+from railgate.waves import replacing
 
 __all__ = ["draw"]
 
@@ -20,7 +21,7 @@ BLUE, ORANGE, GREY, RED = "#2a6fbb", "#d9822b", "#8a8f98", "#c23b3b"
 
 
 def draw(measurement: Measurement, path: Path) -> None:
-    """Draw into a PNG file."""
+    """Draw into a PNG file, which is there whole or not. Raises ValueError."""
     figure = Figure(figsize=(11, 9.5), layout="constrained", dpi=110)
     flags = sorted({flag for window in measurement.windows for flag in window.flags})
     heights = (3.0, 1.2, 0.6, 1.4, 0.3 + 0.2 * max(1, len(flags)))
@@ -43,7 +44,8 @@ def draw(measurement: Measurement, path: Path) -> None:
         f"{measurement.clock_hz / 1e6:g} MHz, {measurement.estimator}",
         fontsize=11,
     )
-    figure.savefig(path, format="png")
+    with replacing(path) as new:
+        figure.savefig(new, format="png")
 
 
 def _speed(ax: Axes, measurement: Measurement, times: Floats) -> None:
