@@ -16,7 +16,7 @@ from proving.counting import NeverAbove, claim
 from railgate import cli
 from railgate.cli import main
 from railgate.odometer.spec import Flag
-from railgate.options import Setup
+from railgate.cli.odometer import Setup
 from railgate.waves import read
 
 HERE = Path(__file__).parent

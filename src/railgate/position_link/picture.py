@@ -82,7 +82,7 @@ def _age(ax: Axes, run: Run, times: np.ndarray) -> None:
     """The age of the word that was delivered, where there was one."""
     age_ms = np.where(run.deliveries.believed, run.deliveries.age_s * 1e3, np.nan)
     ax.plot(times, age_ms, "." if len(times) < 400 else ",", color=BLUE, ms=5)
-    ax.set_ylim(bottom=0)
+    ax.set_ylim(bottom=-0.05 * max(np.nanmax(age_ms, initial=0), 1))
     ax.set_ylabel("age of word / ms")
     ax.grid(alpha=0.25)
 

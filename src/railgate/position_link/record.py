@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+from railgate.position_link.decode import Decoded
+from railgate.position_link.host import Layout
 from railgate.position_link.picture import draw
 from railgate.position_link.simulate import Run
 from railgate.records import Columns, tables, write_folder
 from railgate.waves import write_gtkw, write_vcd
 
-__all__ = ["record"]
+__all__ = ["record", "record_decoded"]
 
 
 def record(run: Run, folder: Path) -> list[Path]:
@@ -18,7 +21,7 @@ def record(run: Run, folder: Path) -> list[Path]:
     return write_folder(
         folder,
         {
-            **tables("cycles", _columns(run)),
+            **tables("cycles", _columns(run.as_json()["cycles"], run.deliveries.layout)),
             "link.vcd": lambda path: write_vcd(path, run.waves),
             "link.gtkw": lambda path: write_gtkw(path, "link.vcd", run.waves),
             "link.png": partial(draw, run),
@@ -26,11 +29,23 @@ def record(run: Run, folder: Path) -> list[Path]:
     )
 
 
-def _columns(run: Run) -> Columns:
-    """What the JSON object has of each cycle; the layout's values are columns of their own."""
-    rows = run.as_json()["cycles"]
-    columns = {name: [row[name] for row in rows] for name in rows[0] if name != "values"}
-    values = {
-        f"value.{name}": [row["values"].get(name) for row in rows] for name in run.deliveries.values
-    }
+def record_decoded(found: Decoded, folder: Path) -> list[Path]:
+    """Write a captured line's answers and waves, as `record` does. Raises ValueError."""
+    line = found.line.shift(-found.line.start)
+    return write_folder(
+        folder,
+        {
+            **tables("answers", _columns(found.as_json()["answers"], found.layout)),
+            "line.vcd": lambda path: write_vcd(path, line),
+            "line.gtkw": lambda path: write_gtkw(path, "line.vcd", line),
+        },
+    )
+
+
+def _columns(rows: list[dict[str, Any]], layout: Layout | None) -> Columns:
+    """What the JSON object has of each row; the layout's values are columns of their own."""
+    names = [name for name in rows[0] if name != "values"] if rows else []
+    columns = {name: [row[name] for row in rows] for name in names}
+    fields = layout.fields if layout else ()
+    values = {f"value.{f.name}": [row["values"].get(f.name) for row in rows] for f in fields}
     return columns | values

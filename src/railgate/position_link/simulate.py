@@ -8,6 +8,7 @@ from typing import Any
 
 from railgate.engines import Engine, open_engine
 from railgate.engines.signals import parts
+from railgate.position_link.decode import word_text
 from railgate.position_link.design import design
 from railgate.position_link.host import (
     Deliveries,
@@ -73,10 +74,9 @@ class Run:
 
     def _told(self, each: Delivery) -> dict[str, Any]:
         """One cycle as plain numbers, strings and lists."""
-        digits = -(-self.config.word_bits // 4)
         return {
             **asdict(each),
-            "word": f"{each.word:#0{digits + 2}x}",
+            "word": word_text(each.word, self.config.word_bits),
             "status": each.status.name.lower(),
             "health": each.health.name.lower(),
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from rich.box import SIMPLE_HEAD
@@ -10,11 +10,13 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from railgate.position_link.host import Delivery, Layout
+from railgate.position_link.decode import Decoded, causes
+from railgate.position_link.host import Delivery, Layout, guarantee
+from railgate.position_link.model import Answer
 from railgate.position_link.simulate import Run
 from railgate.position_link.spec import Health
 
-__all__ = ["show"]
+__all__ = ["show", "show_decoded"]
 
 ROWS = 60
 """At most so many rows of a run."""
@@ -32,34 +34,70 @@ STYLES = {
 
 def show(run: Run) -> RenderableType:
     """The cycles, of long stretches alike only the ends, and the figures of the run."""
-    return Group(_cycles(run), _figures(run))
+    return Group(_cycles(run), _grid(_figures(run)))
+
+
+def show_decoded(found: Decoded) -> RenderableType:
+    """The answers, of long stretches alike only the ends, and the figures of the capture."""
+    return Group(_answers(found), _grid(_findings(found)))
 
 
 def _cycles(run: Run) -> Table:
     layout = run.deliveries.layout
     fields = [] if layout is None else [field.name for field in layout.fields]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, caption_justify="left")
-    for name in ("t/s", "number"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("word", no_wrap=True)
-    table.add_column("status", no_wrap=True)
-    for name in ("age", "age/ms"):
-        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("t/s", justify="right", no_wrap=True)
+    for name in ("word", "status"):
+        table.add_column(name, no_wrap=True)
+    table.add_column("age/ms", justify="right", no_wrap=True)
     table.add_column("health", no_wrap=True)
-    for name in fields:
-        table.add_column(_heading(name, layout), justify="right", no_wrap=True)
     table.add_column("causes", style="yellow")
-    rows = 0
-    for shown, alike in _stretches(run.deliveries):
-        if rows >= ROWS:
-            table.caption = f"the first {rows} rows; --out and --json have all cycles"
-            break
-        rows += len(shown)
-        for at, each in enumerate(shown):
-            if at == len(shown) - 1 and alike:
-                table.add_row("", "", Text(f"… {alike} more alike …", "dim"))
-            table.add_row(*_row(each, run.config.word_bits, fields))
+    for name in fields:
+        table.add_column(_heading(name, layout), justify="right")
+    alike = groupby(run.deliveries, key=lambda each: (each.status, each.health, each.causes))
+    rows = [[_row(each, run.config.word_bits, fields) for each in group] for _, group in alike]
+    _fill(table, rows)
     return table
+
+
+def _answers(found: Decoded) -> Table:
+    fields = [] if found.layout is None else [field.name for field in found.layout.fields]
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, caption_justify="left")
+    table.add_column("t/s", justify="right", no_wrap=True)
+    table.add_column("word", no_wrap=True)
+    table.add_column("bits", justify="right", no_wrap=True)
+    table.add_column("causes", style="yellow")
+    for name in fields:
+        table.add_column(_heading(name, found.layout), justify="right")
+    alike = groupby(found.answers, key=lambda answer: answer.causes)
+    rows = [[_answer(found, answer, fields) for answer in group] for _, group in alike]
+    _fill(table, rows)
+    return table
+
+
+def _answer(found: Decoded, answer: Answer, fields: Iterable[str]) -> list[str | Text]:
+    values = found.values(answer)
+    return [
+        f"{found.time_s(answer.tick):.6f}",
+        "" if answer.word is None else hexadecimal(answer.word, found.config.word_bits),
+        str(answer.bits),
+        ", ".join(name.replace("_", " ") for name in causes(answer.causes)),
+        *(_value(values, name) for name in fields),
+    ]
+
+
+def _fill(table: Table, stretches: Iterable[list[list[str | Text]]]) -> None:
+    """The rows of each stretch, of a long one its ends."""
+    for stretch in stretches:
+        if table.row_count >= ROWS:
+            table.caption = "this is the beginning; --out and --json have all"
+            return
+        left = len(stretch) - 2 if len(stretch) > ALIKE else 0
+        for row in stretch[:1] if left else stretch:
+            table.add_row(*row)
+        if left:
+            table.add_row("", Text(f"… {left} more alike …", "dim"))
+            table.add_row(*stretch[-1])
 
 
 def _heading(name: str, layout: Layout | None) -> str:
@@ -67,27 +105,15 @@ def _heading(name: str, layout: Layout | None) -> str:
     return f"{name}/{units[name]}" if units.get(name) else name
 
 
-def _stretches(cycles: Iterable[Delivery]) -> Iterator[tuple[list[Delivery], int]]:
-    """The ends of each stretch of cycles that say the same, and how many lie between them."""
-    for _, group in groupby(cycles, key=lambda each: (each.status, each.health, each.causes)):
-        alike = list(group)
-        if len(alike) <= ALIKE:
-            yield alike, 0
-        else:
-            yield [alike[0], alike[-1]], len(alike) - 2
-
-
 def _row(each: Delivery, word_bits: int, fields: Iterable[str]) -> list[str | Text]:
     return [
         f"{each.time_s:.6f}",
-        str(each.number),
         hexadecimal(each.word, word_bits),
         each.status.name.lower(),
-        str(each.age),
         "" if each.age_s is None else f"{each.age_s * 1e3:.3f}",
         Text(each.health.name.lower(), STYLES[each.health]),
-        *(_value(each.values, name) for name in fields),
         ", ".join(cause.replace("_", " ") for cause in each.causes),
+        *(_value(each.values, name) for name in fields),
     ]
 
 
@@ -101,14 +127,11 @@ def _value(values: Mapping[str, float], name: str) -> str:
     return f"{values[name]:.10g}" if name in values else ""
 
 
-def _figures(run: Run) -> Table:
+def _figures(run: Run) -> list[tuple[str, str]]:
     config, figures = run.config, run.summary
-    kinds = ", ".join(
-        f"{count} {cause.replace('_', ' ')}" for cause, count in figures.causes.items() if count
-    )
+    alarms = f"{figures.alarms}, the longest {figures.longest_alarm_s * 1e3:g} ms"
     oldest = "none" if figures.oldest_s is None else f"{figures.oldest_s * 1e3:.3f} ms"
-    grid = Table.grid(padding=(0, 2))
-    for name, text in (
+    return [
         (
             "engine",
             f"{run.engine}, {config.clock_hz / 1e6:g} MHz, CLK {float(config.bit_rate_hz) / 1e3:g} "
@@ -120,17 +143,37 @@ def _figures(run: Run) -> Table:
             f"{figures.fresh} fresh, {figures.held} held, {figures.fault} fault words: "
             f"{100 * figures.availability:.6g} % with a word",
         ),
-        ("faulty cycles", f"{figures.faulty_cycles}" + (f" ({kinds})" if kinds else "")),
+        ("faulty cycles", f"{figures.faulty_cycles}{_kinds(figures.causes)}"),
         ("glitches", f"{figures.rejected_glitches} rejected by the filters"),
-        (
-            "alarms",
-            f"{figures.alarms}, the longest {figures.longest_alarm_s * 1e3:g} ms"
-            if figures.alarms
-            else "none",
-        ),
+        ("alarms", alarms if figures.alarms else "none"),
         ("oldest word", f"{oldest}, from UEF's rise to the delivery"),
         ("radio unit", f"{run.radio_frames} frames right, {run.radio_faults} wrong"),
         ("check", figures.guarantee),
-    ):
+    ]
+
+
+def _findings(found: Decoded) -> list[tuple[str, str]]:
+    reading, wanted = found.reading, float(found.config.bit_rate_hz) / 1e3
+    rate = "none" if reading.bit_rate_hz is None else f"{reading.bit_rate_hz / 1e3:.6g} kHz"
+    faulty = len(found.answers) - found.good
+    return [
+        ("capture", f"{float(found.line.duration_s):g} s, ticks of {found.line.period} s"),
+        ("CLK", f"{rate} in the mean, {wanted:g} kHz expected; it stopped {reading.clock_stops}×"),
+        ("judged by", "captured requests" if reading.requests else "UEF alone, no ANF"),
+        ("good words", f"{found.good}"),
+        ("faulty", f"{faulty}{_kinds(found.counts)}"),
+        ("cut off", f"{reading.cut} at the ends of the capture"),
+        ("check", guarantee(found.config.check)),
+    ]
+
+
+def _kinds(counts: Mapping[str, int]) -> str:
+    kinds = [f"{count} {cause.replace('_', ' ')}" for cause, count in counts.items() if count]
+    return f" ({', '.join(kinds)})" if kinds else ""
+
+
+def _grid(rows: Iterable[tuple[str, str]]) -> Table:
+    grid = Table.grid(padding=(0, 2))
+    for name, text in rows:
         grid.add_row(Text(name, style="bold"), text)
     return grid

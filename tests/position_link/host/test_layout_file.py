@@ -24,21 +24,19 @@ def test_the_example_is_the_word_it_says_it_is() -> None:
     assert layout.check.of(int.from_bytes(b"123456789", "big"), 72) == 0xDF
     position, speed, sequence = layout.fields
     assert position == WordField(
-        name="position", bits=Bits(63, 24), scale=Fraction(1, 1000), unit="m"
+        name="position", bits=Bits(47, 8), scale=Fraction(1, 1000), unit="m"
     )
-    assert speed == WordField(
-        name="speed", bits=Bits(23, 12), signed=True, scale=Fraction(1, 4), unit="km/h"
-    )
-    assert sequence == WordField(name="sequence", bits=Bits(11, 8), gray=True)
+    assert speed == WordField(name="speed", bits=Bits(59, 48), scale=Fraction(9, 25), unit="km/h")
+    assert sequence == WordField(name="sequence", bits=Bits(63, 60))
 
 
 def test_a_word_of_the_example_reads_in_metres() -> None:
     layout = example()
-    word = layout.encode({"position": 31_415.926, "speed": -430.5, "sequence": 9})
-    assert word >> 24 == 31_415_926
-    assert word >> 12 & 0xFFF == (1 << 12) - 4 * 430 - 2
-    assert word >> 8 & 0xF == 0b1101
-    assert layout.decode(word) == {"position": 31_415.926, "speed": -430.5, "sequence": 9}
+    word = layout.encode({"position": 31_415.926, "speed": 430.2, "sequence": 9})
+    assert word >> 8 & (1 << 40) - 1 == 31_415_926
+    assert word >> 48 & 0xFFF == 1195
+    assert word >> 60 == 9
+    assert layout.decode(word) == {"position": 31_415.926, "speed": 430.2, "sequence": 9}
 
 
 def test_what_is_left_out_has_the_links_defaults() -> None:

@@ -12,12 +12,24 @@ from hypothesis import strategies as st
 
 from railgate.position_link.host.health import summary
 from railgate.position_link.host.layout import Bits, Layout, WordField
-from railgate.position_link.host.layout_file import example
+from railgate.position_link.host.layout_file import parse_layout
 from railgate.position_link.host.link import Deliveries, deliveries, position_uncertainty_m
 from railgate.position_link.spec import Cause, Config, Health, Status
 from railgate.waves import Trace, Waveform
 
-LAYOUT = example()
+LAYOUT = parse_layout(
+    """
+    word_bits = 64
+    zero_is_fault = true
+    check = { kind = "crc", width = 8, polynomial = 0x2f, initial = 0xff, final = 0xff }
+    field = [
+        { name = "position", bits = "63..24", scale = 0.001, unit = "m" },
+        { name = "speed", bits = "23..12", signed = true, scale = 0.25, unit = "km/h" },
+        { name = "sequence", bits = "11..8", gray = true },
+    ]
+    """,
+    "a layout",
+)
 LINK = LAYOUT.applied_to(Config())
 WORD = LAYOUT.encode({"position": 1234.5, "speed": -60.25, "sequence": 6})
 PLAIN = Layout(word_bits=64, fields=(WordField(name="n", bits=Bits(63, 0)),))
