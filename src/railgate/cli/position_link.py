@@ -16,7 +16,8 @@ from railgate.cli.output import present, running
 from railgate.engines import ENGINES
 from railgate.position_link.decode import decode
 from railgate.position_link.host import Layout, example, read_layout
-from railgate.position_link.plant import Scenario, fault
+from railgate.position_link.plant import Scenario
+from railgate.position_link.plant import fault as parse_fault
 from railgate.position_link.simulate import simulate
 from railgate.position_link.spec import EVEN, ODD, Check, Config, Edge
 from railgate.position_link.table import show, show_decoded
@@ -139,9 +140,9 @@ def _check(text: str) -> Check | None:
 
 @with_setup
 def simulate_link(
-    fault_: Annotated[
+    fault: Annotated[
         list[str] | None,
-        typer.Option("--fault", help="KIND[:VALUE]@TIME or @T0..T1, again for each fault."),
+        typer.Option(help="KIND[:VALUE]@TIME or @T0..T1, again for each fault."),
     ] = None,
     seconds: Annotated[str, typer.Option(help="Length of the run.")] = "0.5s",
     speed: Annotated[float, typer.Option(help="Of the train whose words are sent, km/h.")] = 430.0,
@@ -165,7 +166,7 @@ def simulate_link(
         speed_kmh=speed,
         latency_clk=latency,
         delay_ticks=delay,
-        faults=tuple(fault(text) for text in fault_ or ()),
+        faults=tuple(parse_fault(text) for text in fault or ()),
         seed=seed,
     )
     cycles = ceil(quantity.time_s(seconds) / config.cycle_s)
