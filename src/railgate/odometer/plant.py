@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.odometer.spec import Config, require
+from railgate.bounds import require
+from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform
 
 __all__ = [

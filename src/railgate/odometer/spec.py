@@ -81,7 +81,9 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
 
-__all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag", "require"]
+from railgate.bounds import require
+
+__all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag"]
 
 
 class Direction(IntEnum):
@@ -107,14 +109,6 @@ class Flag(IntFlag):
     WINDOW_VOID = 1 << 9
     WINDOW_OVERFLOW = 1 << 10
     STAMP_OVERFLOW = 1 << 11
-
-
-def require(owner: object, *bounds: tuple[str, float | Fraction, float]) -> None:
-    """Raises ValueError unless low ≤ attribute ≤ high for each (name, low, high)."""
-    for name, low, high in bounds:
-        value = getattr(owner, name)
-        if not low <= value <= high:
-            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
 
 
 @dataclass(frozen=True)

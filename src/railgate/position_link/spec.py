@@ -81,6 +81,8 @@ from enum import IntEnum, IntFlag
 from fractions import Fraction
 from math import ceil, floor
 
+from railgate.bounds import require
+
 __all__ = ["CRC16", "EVEN", "ODD", "Cause", "Check", "Config", "Edge", "Field", "Health", "Status"]
 
 
@@ -136,13 +138,6 @@ class Field:
     start: int = 0
 
 
-def _require(owner: object, *bounds: tuple[str, float | Fraction, float | Fraction]) -> None:
-    for name, low, high in bounds:
-        value = getattr(owner, name)
-        if not low <= value <= high:
-            raise ValueError(f"{name} must be between {low} and {high}, not {value}")
-
-
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """A parity or CRC field in the last `width` bits of a word, over all bits before (LNK-7).
@@ -158,9 +153,9 @@ class Check:
     final: int = 0
 
     def __post_init__(self) -> None:
-        _require(self, ("width", 1, 64))
+        require(self, ("width", 1, 64))
         top = (1 << self.width) - 1
-        _require(self, ("polynomial", 1, top), ("initial", 0, top), ("final", 0, top))
+        require(self, ("polynomial", 1, top), ("initial", 0, top), ("final", 0, top))
 
     def of(self, bits: int, count: int) -> int:
         """The field that belongs to the `count` bits of the number `bits`."""
@@ -219,7 +214,7 @@ class Config:
     radio_check = CRC16
 
     def __post_init__(self) -> None:
-        _require(
+        require(
             self,
             ("clock_hz", 1_000, 10**10),
             ("bit_rate_hz", 1, Fraction(self.clock_hz, 8)),
@@ -237,6 +232,10 @@ class Config:
             ("age_ticks_bits", 16, 48),
         )
         self._require_even()
+        self._require_fit()
+
+    def _require_fit(self) -> None:
+        """Raises ValueError unless what lies within a bit, a word and a cycle fits into it."""
         half = floor(Fraction(self.ticks, 2 * self.bits))
         if self.filter_ticks >= half:
             raise ValueError(
@@ -256,6 +255,11 @@ class Config:
             raise ValueError(
                 f"check must be narrower than the word's {self.word_bits} bits, "
                 f"not {self.check.width}"
+            )
+        if self.request_bits >= self.cycle_bits:
+            raise ValueError(
+                f"request_bits must be below the cycle's {self.cycle_bits} CLK, "
+                f"not {self.request_bits}"
             )
         if self.radio_first + self.frame_bits > self.cycle_bits:
             needed = self.radio_first + self.frame_bits
