@@ -9,7 +9,7 @@ from railgate.proving import Claim
 
 __all__ = ["PROOFS", "chosen", "claims"]
 
-PROOFS = ("railgate.odometer.proofs",)
+PROOFS = ("railgate.odometer.proofs", "railgate.position_link.proofs")
 """The packages that hold claims, each as its CLAIMS."""
 
 

@@ -74,8 +74,11 @@ class Run:
 
     def _told(self, each: Delivery) -> dict[str, Any]:
         """One cycle as plain numbers, strings and lists."""
+        told = asdict(each)
         return {
-            **asdict(each),
+            "tick": told.pop("tick"),
+            "t_s": told.pop("time_s"),
+            **told,
             "word": word_text(each.word, self.config.word_bits),
             "status": each.status.name.lower(),
             "health": each.health.name.lower(),

@@ -47,6 +47,8 @@ def test_pieces_equal_the_whole(case: tuple[Config, Trace], cuts: list[int]) -> 
     config, stimulus = case
     whole = Model(config).advance(stimulus.end, stimulus)
     assert_same(pieces(Model(config), stimulus, cuts), whole, config)
+    changes = stimulus["uef"].ticks.tolist()
+    assert_same(pieces(Model(config), stimulus, changes), whole, config)
 
 
 @random
@@ -162,14 +164,45 @@ def test_a_configured_zero_and_a_wrong_check_are_causes() -> None:
     ]
 
 
+def test_only_the_first_rise_in_the_window_begins_an_answer() -> None:
+    levels = quiet(CONFIG, 1)
+    draw_answer(CONFIG, levels, 0, replace(GOOD, clk=1, longer=-15))
+    draw_answer(CONFIG, levels, 0, replace(GOOD, clk=3))
+    stimulus = trace(CONFIG, levels)
+    outputs = Model(CONFIG).advance(stimulus.end, stimulus)
+    assert outputs["causes"].values[-1] == Cause.SHORT | Cause.UNREQUESTED
+    assert_same(outputs, reference(CONFIG, stimulus))
+
+
+@pytest.mark.parametrize("ticks", [1, CONFIG.filter_ticks + 1])
+def test_what_happens_after_a_decision_belongs_to_the_next(ticks: int) -> None:
+    decision, delay = 1 + CONFIG.decision_ticks, CONFIG.input_delay_ticks
+    for at in range(decision - delay - 2, decision + 3):
+        levels = quiet(CONFIG, 2)
+        for cycle in range(2):
+            draw_answer(CONFIG, levels, cycle, GOOD)
+        levels["uef"][at : at + ticks] ^= 1
+        stimulus = trace(CONFIG, levels)
+        want = reference(CONFIG, stimulus)
+        for cut in range(decision - 1, decision + 3):
+            assert_same(pieces(Model(CONFIG), stimulus, [cut]), want, at, cut)
+
+
 def test_counts_wrap_and_ages_stay_at_their_greatest() -> None:
-    config = replace(CONFIG, age_bits=2, age_ticks_bits=16)
-    levels = quiet(config, 300)
-    draw_answer(config, levels, 0, GOOD)
-    outputs = Model(config).advance(300 * config.cycle_ticks, trace(config, levels))
-    assert outputs["number"].values[-1] == 300 - 256
-    assert outputs["timeout_cycles"].values[-1] == 299 - 256
-    assert outputs["age"].values.tolist() == [3, 0, 1, 2, 3]
+    config = replace(CONFIG, age_bits=2, age_ticks_bits=16, count_bits=9)
+    levels = quiet(config, 600)
+    for cycle in (0, 399):
+        draw_answer(config, levels, cycle, GOOD)
+    outputs = Model(config).advance(600 * config.cycle_ticks, trace(config, levels))
+    assert outputs["number"].values[-1] == 600 - 512
+    assert outputs["timeout_cycles"].values[-1] == 598 - 512
+    begins = 1 + config.cycle_ticks * np.arange(600)
+    first = config.radio_first + config.word_bits + 2
+    launched = [outputs["radio_data"].at(begins + config.rise(first + n)) for n in range(10)]
+    sent = sum(bit.astype(int) << 9 - n for n, bit in enumerate(launched))
+    assert (sent % 256 == np.arange(1, 601) % 256).all()
+    assert np.flatnonzero(sent // 256 == 0).tolist() == [0, 399]
+    assert outputs["age"].values.tolist() == [3, 0, 1, 2, 3, 0, 1, 2, 3]
     assert outputs["age_ticks"].values[-1] == (1 << 16) - 1
 
 

@@ -104,11 +104,41 @@ def test_an_answer_that_is_cut_off_is_no_fault(requests: bool) -> None:
     assert reading.cut == (1 if requests else 2)
 
 
+def test_what_comes_before_the_first_request_is_left_out() -> None:
+    rise = int(line()["uef"].rising()[0])
+    reading = read(line().slice(rise - 500, line().end))
+    assert [answer.word for answer in reading] == WORDS[1:]
+    assert not reading.causes.any()
+
+
 def test_the_last_cycle_counts_once_its_decision_is_seen() -> None:
     begin = int(line()["anf"].rising()[-1])
     decided = begin + LINK.rise(LINK.window_bits + LINK.word_bits + 1)
     assert len(read(line().slice(0, decided))) == 4
     assert len(read(line().slice(0, decided + 1))) == 5
+
+
+@pytest.mark.parametrize("skew", [-2, 0, 2])
+def test_the_window_is_counted_from_the_clock_that_rises_with_the_request(skew: int) -> None:
+    request = int(line()["anf"].rising()[1])
+    inside, outside = (request + LINK.rise(LINK.window_bits) + shift for shift in (-1, 0))
+    early, on_time = (request + LINK.rise(LINK.earliest_clk - 1) + shift for shift in (-1, 0))
+    late = Cause.TIMEOUT | Cause.UNREQUESTED
+    for rise, cause in ((inside, 0), (outside, late), (early, Cause.EARLY), (on_time, 0)):
+        first, last = line()["uef"].rising()[1], line()["uef"].falling()[1]
+        pulsed = changed(line(), "uef", int(first) - 1, int(last) + 1, 0)
+        pulsed = changed(pulsed, "uef", rise, rise + LINK.rise(64), 1)
+        anf = changed(pulsed, "anf", request - 9, request + skew, 0) if skew > 0 else pulsed
+        anf = changed(anf, "anf", request + skew, request + 9, 1) if skew < 0 else anf
+        assert list(read(anf))[1].causes == cause
+
+
+def test_no_answer_is_due_while_the_line_is_high() -> None:
+    rises = line()["uef"].rising().tolist()
+    high = changed(line(), "uef", rises[1] + 1, rises[3] - 100, 1)
+    assert [answer.causes for answer in read(high, False)] == [
+        *(Cause(0), Cause.LONG, Cause(0), Cause(0))
+    ]
 
 
 def test_a_missing_answer_is_told_with_the_tick_in_which_it_was_due() -> None:

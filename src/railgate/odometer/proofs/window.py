@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from railgate.odometer.proofs.contract import Observed
 from railgate.odometer.spec import Config
-from railgate.proving import Claim, Induction, Internals, Mutant, Search
+from railgate.proving import Claim, Induction, Internals, Mutant, Run, Search
 
 __all__ = ["CLAIMS"]
 
-READ = 26
+READ = 28
 """Ticks from reset within which a window of several periods can be told."""
 
-TICK_BITS = 64
-"""Of the monitor's own tick."""
-
-SHORT = Config(window_pulses=4, period_bits=18)
-"""Otherwise the default: windows so short that their sums can be written out."""
+SHORT = Config(
+    clock_hz=20_000,
+    overspeed_kmh=Fraction(80),
+    minimum_kmh=Fraction(60),
+    period_bits=5,
+    window_pulses=4,
+)
+"""Windows and periods so short that sums of products can be written out, and limits be met."""
 
 
 class _Window(Observed):
@@ -28,15 +33,17 @@ class _Window(Observed):
     this tick's events.
     """
 
-    def __init__(self, config: Config, lemmas: tuple[str, ...]) -> None:
-        super().__init__(config, ("boundary", "live", "carried", *lemmas))
+    def __init__(self, config: Config) -> None:
+        super().__init__(config, ("boundary", "live", "carried"))
 
     def window(self, m: Module, inner: Internals) -> dict[str, Value]:
         """Adds it; the fields after this tick's events, but for the sums."""
         limit, rise, opens = self.config.period_max, self.on_a.rise, self.strobes.opens
-        tick, boundary, last = (Signal(TICK_BITS) for _ in range(3))
+        # A window is voided before differences of these could be ambiguous.
+        width = self.config.period_bits + 1
+        tick, boundary, last = (Signal(width) for _ in range(3))
         seated, n = Signal(), Signal(self.config.window_bits)
-        t = (tick - boundary)[:TICK_BITS]
+        t = (tick - boundary)[:width]
 
         lost = seated & ((t == limit) | self.travel.reversal | self.travel.illegal)
         overflow = seated & ~lost & rise & (n == self.config.window_pulses)
@@ -55,7 +62,7 @@ class _Window(Observed):
             n.eq(Mux(opens, 0, n_now)),
         ]
         self.t, self.n, self.n_now, self.adds, self.starts = t, n, n_now, adds, starts
-        self.seated, self.ticks = seated, Mux(seated, last - boundary, 0)[:TICK_BITS]
+        self.seated, self.ticks = seated, Mux(seated, (last - boundary)[:width], 0)
 
         now = Mux(self.strobes.latches, inner["sensor_0.since_rise"], inner["sensor_0.window.elapsed"])
         m.d.comb += self.lemma.boundary.eq(
@@ -64,9 +71,9 @@ class _Window(Observed):
                 (t <= limit)
                 & (t != 0)
                 & (now + 1 == t)
-                & (inner["sensor_0.since_rise"] + 1 == (tick - last)[:TICK_BITS])
-                & ((tick - last)[:TICK_BITS] <= t)
-                & ((tick - last)[:TICK_BITS] != 0)
+                & (inner["sensor_0.since_rise"] + 1 == (tick - last)[:width])
+                & ((tick - last)[:width] <= t)
+                & ((tick - last)[:width] != 0)
                 & inner["sensor_0.since_rise.started"]
                 & (~self.strobes.latches | (boundary == last))
                 & ((n != 0) | (boundary == last))
@@ -75,7 +82,7 @@ class _Window(Observed):
         return {
             "window_seated": seated_now,
             "window_n": n_now,
-            "window_ticks": Mux(seated_now, last_now - boundary_now, 0)[:TICK_BITS],
+            "window_ticks": Mux(seated_now, (last_now - boundary_now)[:width], 0),
         }
 
     def tells(
@@ -87,13 +94,13 @@ class _Window(Observed):
         names = ("window_seated", *before)
         live = [inner[f"sensor_0.{name}"] == before.get(name, self.seated) for name in names]
         latched = [inner[f"sensor_0.{name}"] == self.at_strobe[name] for name in names]
-        rests = [value == 0 for value in before.values()]
+        resting = Cat(*(value == 0 for value in before.values())).all()
         alone = self.seated == inner["sensor_0.window_seated"]
         m.d.comb += [
             self.lemma.live.eq(
-                Mux(self.strobes.latches, Cat(*latched, *rests, alone).all(), Cat(*live).all())
+                Mux(self.strobes.latches, Cat(*latched, resting, alone).all(), Cat(*live).all())
                 & (self.n <= self.config.window_pulses)
-                & (self.seated | (self.n == 0))
+                & (self.seated | resting)
             ),
             self.lemma.carried.eq(carried),
             self.holds.eq(told & (self.n <= self.config.window_pulses)),
@@ -101,29 +108,106 @@ class _Window(Observed):
 
 
 class _Sums(_Window):
-    """sum_a = Σ t_k, and sum_b = (n + 1) · Σ t_k - Σ k · t_k, as least squares have them.
-
-    The products grow by addition: weighted = (n + 1) · t a tick's n + 1 at a time.
-    """
+    """sum_a is the sum of all t_k, sum_b that of sum_a as it stood after each of them."""
 
     def __init__(self) -> None:
-        super().__init__(Config(), ("sums",))
+        super().__init__(Config())
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.odometer(m)
         fields = self.window(m, inner)
-        t, n = self.t, self.n
 
-        width = self.config.sum_b_bits
-        weighted, total, times_n, moments = (Signal(width) for _ in range(4))
-        more, opens = self.adds, self.strobes.opens
-        total_now = Mux(self.starts, 0, total + Mux(more, t, 0))
-        moments_now = Mux(self.starts, 0, moments + Mux(more, weighted, 0))
-        times_n_now = Mux(self.starts, 0, times_n + Mux(more, total + t + weighted, 0))
+        total, nested = Signal(self.config.sum_a_bits), Signal(self.config.sum_b_bits)
+        t = Mux(self.adds, self.t, 0)
+        total_now = Mux(self.starts, 0, total + t)
+        nested_now = Mux(self.starts, 0, nested + Mux(self.adds, total, 0) + t)
         m.d.sync += [
-            total.eq(Mux(opens, 0, total_now)),
-            moments.eq(Mux(opens, 0, moments_now)),
-            times_n.eq(Mux(opens, 0, times_n_now)),
+            total.eq(Mux(self.strobes.opens, 0, total_now)),
+            nested.eq(Mux(self.strobes.opens, 0, nested_now)),
         ]
+        fields |= {"sum_a": total_now, "sum_b": nested_now}
+        self.tells(m, inner, fields, {"sum_a": total, "sum_b": nested})
+        m.d.comb += self.reached.eq(
+            self.strobes.delivers & (inner["sensor.0.window_n"] == 2)
+        )
         return m
+
+
+class _LeastSquares(_Window):
+    """sum_a = Σ t_k and sum_b = Σ (n + 1 - k) · t_k, as least squares have them.
+
+    Written out, of all t_k of the window, k = 1 … n.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(SHORT)
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.odometer(m)
+        fields = self.window(m, inner)
+
+        count = self.config.window_pulses
+        ticks = [Signal(self.config.period_bits, name=f"t_{k}") for k in range(1, count + 1)]
+        ticks_now = []
+        for k, tick in enumerate(ticks, 1):
+            mine = self.adds & (self.n_now == k)
+            ticks_now.append(Mux(mine, self.t, tick))
+            m.d.sync += tick.eq(ticks_now[-1])
+
+        before, after = self._sums(ticks, self.n), self._sums(ticks_now, self.n_now)
+        self.tells(m, inner, fields | after, before)
+        m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 3))
+        return m
+
+    def _sums(self, ticks: list[Value], n: Value) -> dict[str, Value]:
+        sums: dict[str, Value] = {"sum_a": 0, "sum_b": 0}
+        for last in range(1, len(ticks) + 1):
+            terms = list(enumerate(ticks[:last], 1))
+            total = sum(tick for _, tick in terms)
+            weighted = sum((last + 1 - k) * tick for k, tick in terms)
+            sums["sum_a"] = Mux(n == last, total, sums["sum_a"])
+            sums["sum_b"] = Mux(n == last, weighted, sums["sum_b"])
+        return sums
+
+
+def _mutant(name: str, old: str, new: str, rejected: Run | Search = Search(READ)) -> Mutant:
+    return Mutant(name, "railgate.odometer.gateware.window", old, new, rejected)
+
+
+CLAIMS = (
+    Claim(
+        name="odometer.sums",
+        claim=(
+            "In each snapshot window_n is the number n of rising edges of A since the window's "
+            "boundary edge, at most window_pulses; window_ticks the ticks from it to the last of "
+            "them; sum_a the sum of the ticks t_k from it to each, and sum_b the sum of sum_a "
+            "after each; reversals, illegal transitions, saturation and overflow void the window, "
+            "and strobes move its boundary to its last edge (default configuration)."
+        ),
+        requirements=("ODO-10",),
+        monitor=_Sums,
+        method=Induction(),
+        cover=Search(READ),
+        mutants=(
+            _mutant("sum-before", "self.sum_b.eq(sum_b + sum_a + now)", "self.sum_b.eq(sum_b + sum_a)"),
+            _mutant("tick-missing", "self.since_rise, elapsed) + 1", "self.since_rise, elapsed)"),
+            _mutant("reversal-stays", "self.window_seated & self.broken", "0"),
+        ),
+    ),
+    Claim(
+        name="odometer.sums-least-squares",
+        claim="",
+        requirements=("ODO-10",),
+        monitor=_LeastSquares,
+        method=Induction(),
+        cover=Search(READ),
+        mutants=(
+            _mutant("sum-before", "self.sum_b.eq(sum_b + sum_a + now)", "self.sum_b.eq(sum_b + sum_a)"),
+            _mutant("old-boundary", "Mux(self.latch, self.since_rise, elapsed)", "elapsed", Search(44)),
+            _mutant("edge-too-many", "n == config.window_pulses", "n > config.window_pulses"),
+            _mutant("edge-too-few", "n == config.window_pulses", "n == config.window_pulses - 1"),
+        ),
+    ),
+)

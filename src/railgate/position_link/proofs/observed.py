@@ -8,7 +8,7 @@ from amaranth.hdl import Cat, Module, Mux, Value
 
 from railgate.position_link.proofs.reading import Reading
 from railgate.position_link.proofs.schedule import Cycle
-from railgate.position_link.spec import Cause, Config, Edge, Status
+from railgate.position_link.spec import Cause, Config, Edge
 from railgate.proving import Internals, Monitor
 
 __all__ = ["Observed", "schedule"]
@@ -74,12 +74,13 @@ class Observed(Monitor):
         """The gateware's reader has found what the contract has."""
         reading, config = self.reading, self.config
         answer, causes = Value.cast(inner["reader.answer"]), inner["reader.causes"]
+        none, under_way, complete = range(3)
         decided = reading.after_decision(1)
         agrees = [
             inner["reader.seen"] == reading.seen,
-            (answer == 0) == ~reading.answered,
-            (answer == 1) == reading.under_way,
-            (answer == 2) == reading.complete,
+            (answer == none) == ~reading.answered,
+            (answer == under_way) == reading.under_way,
+            (answer == complete) == reading.complete,
             inner["reader.bits"] == reading.bits,
             inner["reader.word"] == reading.word,
             causes == Mux(decided, reading.found, reading.causes)[: len(causes)],
@@ -88,14 +89,11 @@ class Observed(Monitor):
         ]
         if config.check:
             agrees.append(inner["reader.check.register"] == reading.field)
-        if guard := config.guard_ticks:
-            for timer, past, longest in (
-                ("settling", reading.edges, guard - 1),
-                ("holding", reading.taken, guard),
-            ):
+        for timer, past in (("settling", reading.edges), ("holding", reading.taken)):
+            if len(past):
                 left = 0
-                for ago in reversed(range(longest)):
-                    left = Mux(past[ago], longest - ago, left)
+                for ago in reversed(range(len(past))):
+                    left = Mux(past[ago], len(past) - ago, left)
                 agrees.append(inner[f"reader.{timer}.remaining"] == left)
         return Cat(*agrees).all()
 
@@ -106,7 +104,7 @@ class Observed(Monitor):
         rising = config.sampling_edge is Edge.RISING
         samples = (reading.cycle.edges + rising) >> 1
         begun = ~reading.cycle.before(config.rise(config.earliest_clk - 1) + 1) & reading.answered
-        ends = (samples <= config.window_bits + reading.bits)
+        ends = samples <= config.window_bits + reading.bits
         return (
             (~reading.under_way | (begun & ends & reading.cycle.before(reading.decision)))
             & (reading.bits <= config.word_bits)
@@ -115,11 +113,14 @@ class Observed(Monitor):
         )
 
     def _verdict(self, inner: Internals) -> Value:
-        """What the gateware's verdict has found so many ticks after the decision."""
+        """In how many ticks after the decision the gateware's verdict has found what."""
         reading, config = self.reading, self.config
         latency = config.delivery_latency_ticks
-        since = [reading.after_decision(n) for n in range(latency)]
-        stands = (reading.complete == reading.was_complete) & (reading.word == reading.read)
+
+        def from_tick(first: int, holds: Value) -> Value:
+            since = (reading.after_decision(n) for n in range(first, latency))
+            return ~Cat(*since).any() | holds
+
         wrong = {Cause.FAULT_WORD: reading.read == config.invalid_word}
         compared = [inner["verdict.fault_word_differs"].any() != wrong[Cause.FAULT_WORD]]
         if config.zero_is_fault:
@@ -128,20 +129,18 @@ class Observed(Monitor):
         if check := config.check:
             wrong[Cause.CHECK] = reading.read[: check.width] != reading.field ^ check.final
             compared.append(inner["verdict.check_differs"].any() == wrong[Cause.CHECK])
-        line = inner["verdict.line"]
-        line_stands = line == reading.found[: len(line)]
         of_word = []
         for cause in (Cause.CHECK, Cause.FAULT_WORD, Cause.ZERO_WORD):
-            told = (reading.found & cause).any()
-            agrees = told == (reading.was_complete & wrong.get(cause, 0))
+            told = (reading.found & cause).any() == (reading.was_complete & wrong.get(cause, 0))
             # The register of the check is the next answer's from the next window on.
-            stays = cause not in wrong or cause is not Cause.CHECK
-            of_word.append(agrees if stays else agrees | ~Cat(*since[1:]).any())
+            of_word.append(from_tick(1, told) if config.check and cause is Cause.CHECK else told)
+        line = inner["verdict.line"]
+        stands = (reading.complete == reading.was_complete) & (reading.word == reading.read)
         return Cat(
-            ~Cat(*since[1:]).any() | stands,
-            ~Cat(*since[2:]).any() | (Cat(*compared).all() & line_stands),
-            ~Cat(*since[3:]).any() | (inner["verdict.causes"] == reading.found),
-            ~Cat(*since[4:]).any() | (inner["verdict.good"] == reading.good),
+            from_tick(1, stands),
+            from_tick(2, Cat(*compared).all() & (line == reading.found[: len(line)])),
+            from_tick(3, inner["verdict.causes"] == reading.found),
+            from_tick(4, inner["verdict.good"] == reading.good),
             reading.good == (reading.was_complete & (reading.found == 0)),
             *of_word,
         ).all()

@@ -17,23 +17,25 @@ SEATED = 3
 class Level(wiring.Component):
     """A pin's level, once it was held for more than `filter_ticks`, 3 + filter_ticks late.
 
+    past: the pin's levels, bit n that of n + 1 ticks ago. tick: since reset, SEATED + 1 at most.
+
     pin: in, 1 bit. level: out, 1 bit. rise, fall: out, 1 bit, it is new in this tick; the level at
     start is no edge.
     """
 
     def __init__(self, filter_ticks: int) -> None:
         self._filter_ticks = filter_ticks
-        self._past = Signal(SEATED + filter_ticks)  # bit n: the pin n + 1 ticks ago
-        self._tick = Signal(range(SEATED + 2))
+        self.past = Signal(SEATED + filter_ticks)
+        self.tick = Signal(range(SEATED + 2))
         self._before = Signal()
         super().__init__({name: Out(1) for name in ("level", "rise", "fall")} | {"pin": In(1)})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        tick, held = self._tick, self._past[SEATED - 1 :]
+        tick, held = self.tick, self.past[SEATED - 1 :]
         told = tick == SEATED + 1
         m.d.sync += [
-            self._past.eq(Cat(self.pin, self._past)),
+            self.past.eq(Cat(self.pin, self.past)),
             tick.eq(Mux(told, tick, tick + 1)),
             self._before.eq(self.level),
         ]
@@ -48,18 +50,18 @@ class Level(wiring.Component):
 
     def agrees(self, inner: Internals, path: str) -> Value:
         """The invariant that binds the input `path` of the gateware to the pin's past."""
-        held, past = inner[f"{path}.held"], self._past[SEATED - 1 :]
+        held, past = inner[f"{path}.held"], self.past[SEATED - 1 :]
         other = past ^ self.level.replicate(len(past))
         runs = [
-            (held == n) & (self._tick >= SEATED + min(n, 1)) & other[:n].all() & ~other[n]
+            (held == n) & (self.tick >= SEATED + min(n, 1)) & other[:n].all() & ~other[n]
             for n in range(len(past))
         ]
         return Cat(
-            inner[f"{path}.synchroniser.stage0"] == self._past[0],
-            inner[f"{path}.synchroniser.stage1"] == self._past[1],
-            inner[f"{path}.age"] == self._tick,
+            inner[f"{path}.synchroniser.stage0"] == self.past[0],
+            inner[f"{path}.synchroniser.stage1"] == self.past[1],
+            inner[f"{path}.age"] == self.tick,
             inner[f"{path}.level"] == self.level,
             inner[f"{path}.previous"] == self._before,
-            self._tick <= SEATED + 1,
-            Mux(self._tick < SEATED, held == 0, Cat(*runs).any()),
+            self.tick <= SEATED + 1,
+            Mux(self.tick < SEATED, held == 0, Cat(*runs).any()),
         ).all()

@@ -17,16 +17,18 @@ class Reading(wiring.Component):
     """The events of a cycle in the order of the contract, each of one tick.
 
     uef, data: in, 1 bit, the pins. The other members, out, are registers.
-    seen, answered, under_way, complete: 1 bit, of this cycle so far. bits: of the answer. word.
-    causes: since the last decision. found, good, read: causes, whether it was good and word of the
-    last decision, from the tick after it on.
+    seen, answered, under_way, complete: 1 bit, of this cycle so far. bits: of the answer, word:
+    those read last, field: their check so far, since: ticks since UEF's pin rose for it, to this
+    one. causes: since the last decision. found, was_complete, good, read: causes, whether it was
+    complete and good, and word, of the last decision, from the tick after it on.
     """
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.cycle = Cycle(config, config.input_delay_ticks)
         self.on_uef, self.on_data = Level(config.filter_ticks), Level(config.filter_ticks)
-        self.edges, self.taken = Signal(config.guard_ticks), Signal(config.guard_ticks)
+        self.edges = Signal(max(config.guard_ticks - 1, 0))  # bit n: of DATA, n + 1 ticks ago
+        self.taken = Signal(config.guard_ticks)  # bit n: a bit was, n + 1 ticks ago
         self.decision = config.decision_ticks - config.input_delay_ticks
         flags = ("seen", "answered", "under_way", "complete", "was_complete", "good")
         super().__init__(
@@ -34,8 +36,12 @@ class Reading(wiring.Component):
             | {name: Out(1) for name in flags}
             | {name: Out(len(Cause)) for name in ("causes", "found")}
             | {name: Out(config.word_bits) for name in ("word", "read")}
-            | {"bits": Out(range(config.word_bits + 1))}
-            | ({"field": Out(config.check.width, init=config.check.initial)} if config.check else {})
+            | {"bits": Out(range(config.word_bits + 1)), "since": Out(config.age_ticks_bits)}
+            | (
+                {"field": Out(config.check.width, init=config.check.initial)}
+                if config.check
+                else {}
+            )
         )
 
     def after_decision(self, ticks: int) -> Value:
@@ -76,8 +82,11 @@ class Reading(wiring.Component):
         word = Mux(takes, Cat(self.on_data.level, self.word), self.word)
         edge = self.on_data.rise | self.on_data.fall
         if config.guard_ticks:
-            m.d.sync += [self.edges.eq(Cat(edge, self.edges)), self.taken.eq(Cat(takes, self.taken))]
-            moved = edge | self.edges[:-1].any()
+            m.d.sync += [
+                self.edges.eq(Cat(edge, self.edges)),
+                self.taken.eq(Cat(takes, self.taken)),
+            ]
+            moved = edge | self.edges.any()
             happens[Cause.UNSTABLE] = (takes & moved) | (edge & self.taken.any())
 
         for cause, found in self._of_word(m, begins, takes, word).items():
@@ -89,6 +98,7 @@ class Reading(wiring.Component):
             self.answered.eq(answered | begins),
             self.under_way.eq(under_way & ~happens[Cause.LONG]),
             self.bits.eq(bits + takes),
+            self.since.eq(Mux(begins, config.input_delay_ticks, self.since) + 1),
             self.word.eq(word),
             self.complete.eq(complete),
             self.causes.eq(Mux(decides, 0, causes)),
@@ -102,9 +112,7 @@ class Reading(wiring.Component):
             ]
         return m
 
-    def _of_word(
-        self, m: Module, begins: Value, takes: Value, word: Value
-    ) -> dict[Cause, Value]:
+    def _of_word(self, m: Module, begins: Value, takes: Value, word: Value) -> dict[Cause, Value]:
         """What is wrong with a word in the tick of the decision, 0 in others."""
         config, decides = self.config, self.after_decision(0)
         found = {Cause.CHECK: 0, Cause.FAULT_WORD: decides & (word == config.invalid_word)}

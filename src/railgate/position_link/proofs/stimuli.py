@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from railgate.position_link.spec import Config
-from railgate.proving import TICK
+from railgate.proving import TICK, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
 
-__all__ = ["NOTHING", "Answer", "answers"]
+__all__ = ["GOOD", "NOTHING", "WORD", "Answer", "answers", "mutant", "run"]
 
 FIRST_TICK = 1
 """The tick in which cycle 0 begins."""
@@ -30,6 +31,9 @@ class Answer:
 
 
 NOTHING: tuple[Answer, ...] = ()
+WORD = 0x0123_4567_89AB_CDEF
+"""Another one from its other end, or a bit further."""
+GOOD = Answer(WORD)
 
 
 def answers(config: Config, *cycles: Sequence[Answer]) -> Trace:
@@ -52,3 +56,14 @@ def answers(config: Config, *cycles: Sequence[Answer]) -> Trace:
         for name, levels in (("uef", uef), ("data", data))
     }
     return Trace(waves, TICK, 0, end)
+
+
+def run(config: Config, *cycles: Sequence[Answer]) -> Run:
+    """So many cycles, to the delivery of the last one."""
+    last = FIRST_TICK + (len(cycles) - 1) * config.cycle_ticks + config.delivery_ticks
+    return Run(last + 1, partial(answers, config, *cycles))
+
+
+def mutant(name: str, file: str, old: str, new: str, rejected: Search | Run) -> Mutant:
+    """One of a file of the link's gateware."""
+    return Mutant(name, f"railgate.position_link.gateware.{file}", old, new, rejected)

@@ -12,6 +12,8 @@ from railgate.proving import Internals
 
 __all__ = ["Supervised"]
 
+TURNS = 5
+"""So many ticks after the decision the gateware knows at the latest whether the link turns."""
 RUN_BITS = 8
 """A run of cycles is told up to 255, the greatest of tolerated_cycles and recovery_cycles."""
 
@@ -60,9 +62,11 @@ class Supervised(Observed):
         return inner
 
     def _turns(self, inner: Internals) -> Value:
-        """The gateware knows in time before the delivery whether the link goes up or down."""
+        """The gateware knows before the delivery whether the link goes up or down with it."""
         config = self.config
-        since = [self.reading.after_decision(n) for n in range(5, config.delivery_latency_ticks)]
+        since = [
+            self.reading.after_decision(n) for n in range(TURNS, config.delivery_latency_ticks)
+        ]
         last = Mux(self.down, config.recovery_cycles, config.tolerated_cycles) - 1
         turns = (self.reading.good == self.down) & (inner["supervision.run"] == last)
         return ~Cat(*since).any() | (inner["supervision.turns"] == turns)
