@@ -53,7 +53,7 @@ def _cycles(run: Run) -> Table:
     table.add_column("health", no_wrap=True)
     table.add_column("causes", style="yellow")
     for name in fields:
-        table.add_column(_heading(name, layout), justify="right")
+        table.add_column(_heading(name, layout), justify="right", no_wrap=True)
     alike = groupby(run.deliveries, key=lambda each: (each.status, each.health, each.causes))
     rows = [[_row(each, run.config.word_bits, fields) for each in group] for _, group in alike]
     _fill(table, rows)
@@ -68,7 +68,7 @@ def _answers(found: Decoded) -> Table:
     table.add_column("bits", justify="right", no_wrap=True)
     table.add_column("causes", style="yellow")
     for name in fields:
-        table.add_column(_heading(name, found.layout), justify="right")
+        table.add_column(_heading(name, found.layout), justify="right", no_wrap=True)
     alike = groupby(found.answers, key=lambda answer: answer.causes)
     rows = [[_answer(found, answer, fields) for answer in group] for _, group in alike]
     _fill(table, rows)

@@ -1,0 +1,297 @@
+"""What becomes of good and faulty cycles: hold, fault word, recovery."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from amaranth.hdl import Module, Mux
+
+from railgate.position_link.proofs.stimuli import GOOD, NOTHING, WORD, Answer, mutant, run
+from railgate.position_link.proofs.supervised import Supervised
+from railgate.position_link.spec import Config, Health, Status
+from railgate.proving import Claim, Induction
+
+__all__ = ["CLAIMS"]
+
+DEFAULT = Config()
+CAUTIOUS = Config(tolerated_cycles=2, recovery_cycles=3)
+ONES = Answer(DEFAULT.invalid_word)
+GARBAGE = Answer(WORD ^ 0xFF, bits=40)
+
+
+class _FaultWord(Supervised):
+    """The fault word after `tolerated_cycles` faulty cycles in a row or where none was good yet."""
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.link(m)
+        due = (self.faulty_run >= self.config.tolerated_cycles) | ~self.ever_good
+        m.d.comb += [
+            self.holds.eq(
+                ((inner["status"] == Status.FAULT) == due)
+                & ((inner["word"] == self.config.invalid_word) == due)
+            ),
+            self.reached.eq(due & self.ever_good),
+        ]
+        return m
+
+
+class _Recovery(Supervised):
+    """Once down, down until `recovery_cycles` good cycles in a row; and the other way round."""
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.link(m)
+        m.d.comb += [
+            self.holds.eq(
+                ((inner["status"] == Status.FAULT) == self.down)
+                & ((inner["word"] == self.config.invalid_word) == self.down)
+            ),
+            self.reached.eq(~self.down),
+        ]
+        return m
+
+
+class _Valid(Supervised):
+    """The status alone tells the fault word from a position."""
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.link(m)
+        fault = inner["status"] == Status.FAULT
+        known = fault | (inner["status"] == Status.HELD) | (inner["status"] == Status.FRESH)
+        m.d.comb += [
+            self.holds.eq(known & ((inner["word"] == self.config.invalid_word) == fault)),
+            self.reached.eq(~fault),
+        ]
+        return m
+
+
+class _Held(Supervised):
+    """A held word is the last good cycle's, marked with its age, and not older than tolerated."""
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.link(m)
+        status, age = inner["status"], inner["age"]
+        held = status == Status.HELD
+        never = (1 << self.config.age_bits) - 1
+        oldest = Mux(self.faulty_run > never, never, self.faulty_run)
+        m.d.comb += [
+            self.holds.eq(
+                (~held | ((inner["word"] == self.last) & (age < self.config.tolerated_cycles)))
+                & (age == Mux(self.ever_good, oldest, never))
+                & ((status != Status.FRESH) | (age == 0))
+                & (~held | (age != 0))
+            ),
+            self.reached.eq(held & (age == self.config.tolerated_cycles - 1)),
+        ]
+        return m
+
+
+class _Health(Supervised):
+    """Warning at the first faulty cycle, alarm with the fault word."""
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.link(m)
+        up = Mux(self.good, Health.OK, Health.WARNING)
+        down = Mux(self.good, Health.RECOVERING, Health.ALARM)
+        m.d.comb += [
+            self.holds.eq(
+                inner["health"] == Mux(self.down, Mux(self.ever_good, down, Health.START), up)
+            ),
+            self.reached.eq(inner["health"] == Health.ALARM),
+        ]
+        return m
+
+
+CLAIMS = (
+    Claim(
+        name="position_link.fault-word",
+        claim=(
+            "For ever, the word is the fault word and its status FAULT if and only if the last "
+            "three cycles or more were faulty, or no cycle was good since reset (default "
+            "configuration: tolerated_cycles = 3, recovery_cycles = 1)."
+        ),
+        requirements=("LNK-5",),
+        monitor=partial(_FaultWord, DEFAULT),
+        method=Induction(),
+        cover=run(DEFAULT, [GOOD], NOTHING, NOTHING, NOTHING),
+        mutants=(
+            mutant(
+                "one-more",
+                "supervision",
+                "config.tolerated_cycles - 1,",
+                "config.tolerated_cycles,",
+                run(DEFAULT, [GOOD], NOTHING, NOTHING, NOTHING),
+            ),
+            mutant(
+                "one-less",
+                "supervision",
+                "config.tolerated_cycles - 1,",
+                "config.tolerated_cycles - 2,",
+                run(DEFAULT, [GOOD], NOTHING, NOTHING),
+            ),
+            mutant(
+                "not-in-a-row",
+                "supervision",
+                "Mux(against & ~turns, run + 1, 0)",
+                "Mux(against & ~turns, run + 1, run)",
+                run(DEFAULT, [GOOD], NOTHING, [GOOD], NOTHING, NOTHING),
+            ),
+            mutant(
+                "never-down",
+                "supervision",
+                "up_next = up ^ turns",
+                "up_next = up | turns",
+                run(DEFAULT, [GOOD], NOTHING, NOTHING, NOTHING),
+            ),
+        ),
+        fast=False,
+    ),
+    Claim(
+        name="position_link.recovery",
+        claim=(
+            "For ever, the fault word is there from the start on and from the second faulty cycle "
+            "in a row on, in each case until the third good cycle in a row, and at no other time "
+            "(default configuration, but tolerated_cycles = 2, recovery_cycles = 3)."
+        ),
+        requirements=("LNK-5",),
+        monitor=partial(_Recovery, CAUTIOUS),
+        method=Induction(),
+        cover=run(CAUTIOUS, [GOOD], [GOOD], [GOOD]),
+        mutants=(
+            mutant(
+                "two-will-do",
+                "supervision",
+                "config.recovery_cycles - 1)",
+                "config.recovery_cycles - 2)",
+                run(CAUTIOUS, [GOOD], [GOOD]),
+            ),
+            mutant(
+                "not-in-a-row",
+                "supervision",
+                "Mux(against & ~turns, run + 1, 0)",
+                "Mux(against & ~turns, run + 1, run)",
+                run(CAUTIOUS, [GOOD], NOTHING, [GOOD], [GOOD]),
+            ),
+            mutant(
+                "run-goes-on",
+                "supervision",
+                "Mux(against & ~turns, run + 1, 0)",
+                "Mux(against, run + 1, 0)",
+                run(CAUTIOUS, [GOOD], [GOOD], [GOOD], NOTHING, NOTHING),
+            ),
+        ),
+        fast=False,
+    ),
+    Claim(
+        name="position_link.valid",
+        claim=(
+            "For ever, a word with the status FRESH or HELD is never the fault word, and with the "
+            "status FAULT it is nothing else; there is no other status (default configuration)."
+        ),
+        requirements=("LNK-5",),
+        monitor=partial(_Valid, DEFAULT),
+        method=Induction(),
+        cover=run(DEFAULT, [GOOD]),
+        mutants=(
+            mutant(
+                "zeros-compared",
+                "verdict",
+                "self.word ^ config.invalid_word,",
+                "self.word,",
+                run(DEFAULT, [ONES]),
+            ),
+            mutant(
+                "verdict-without-it",
+                "verdict",
+                "(self.causes == 0)",
+                "((self.causes & ~Cause.FAULT_WORD) == 0)",
+                run(DEFAULT, [ONES]),
+            ),
+            mutant(
+                "keeps-the-word",
+                "supervision",
+                "self.word.eq(config.invalid_word),",
+                "",
+                run(DEFAULT, [GOOD], NOTHING, NOTHING, NOTHING),
+            ),
+        ),
+        fast=False,
+    ),
+    Claim(
+        name="position_link.held",
+        claim=(
+            "For ever, a word delivered as HELD is the word of the last good cycle, 1 or 2 cycles "
+            "old; age is the number of cycles since the last good one, 63 at most and where there "
+            "was none, and 0 with FRESH (default configuration: tolerated_cycles = 3)."
+        ),
+        requirements=("LNK-5", "LNK-6"),
+        monitor=partial(_Held, DEFAULT),
+        method=Induction(),
+        cover=run(DEFAULT, [GOOD], NOTHING, NOTHING),
+        mutants=(
+            mutant(
+                "without-limit",
+                "supervision",
+                "turns.eq(against & (run == last))",
+                "turns.eq(against & ~up & (run == last))",
+                run(DEFAULT, [GOOD], NOTHING, NOTHING, NOTHING),
+            ),
+            mutant(
+                "what-came",
+                "supervision",
+                "self.status.eq(Status.HELD), ",
+                "self.status.eq(Status.HELD), self.word.eq(self.read), ",
+                run(DEFAULT, [GOOD], [GARBAGE]),
+            ),
+            mutant(
+                "age-stays",
+                "supervision",
+                "never, self.age + 1)",
+                "never, self.age)",
+                run(DEFAULT, [GOOD], NOTHING),
+            ),
+        ),
+        fast=False,
+    ),
+    Claim(
+        name="position_link.health",
+        claim=(
+            "For ever, the health is WARNING with the first faulty cycle while the link is up, "
+            "ALARM with every one while it is down, RECOVERING with good ones there, OK with good "
+            "ones while it is up, and START as long as there was no good cycle since reset "
+            "(default configuration, but tolerated_cycles = 2, recovery_cycles = 3)."
+        ),
+        requirements=("LNK-5", "LNK-7"),
+        monitor=partial(_Health, CAUTIOUS),
+        method=Induction(),
+        cover=run(CAUTIOUS, [GOOD], NOTHING),
+        mutants=(
+            mutant(
+                "alarm-at-start",
+                "supervision",
+                "with m.Elif(self.health != Health.START):",
+                "with m.Else():",
+                run(CAUTIOUS, NOTHING),
+            ),
+            mutant(
+                "alarm-stays",
+                "supervision",
+                "self.health.eq(Health.RECOVERING)",
+                "self.health.eq(self.health)",
+                run(CAUTIOUS, [GOOD]),
+            ),
+            mutant(
+                "without-warning",
+                "supervision",
+                "self.health.eq(Health.WARNING)",
+                "self.health.eq(Health.OK)",
+                run(CAUTIOUS, [GOOD], [GOOD], [GOOD], NOTHING),
+            ),
+        ),
+        fast=False,
+    ),
+)
