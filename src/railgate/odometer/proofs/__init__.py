@@ -1,8 +1,32 @@
-"""What is proven of the odometer's gateware."""
+"""What is proven of the odometer's gateware.
 
-from railgate.odometer.proofs import inputs
+The filter of its inputs (inputs); then, from the pins on: counts (pulses), ticks (periods),
+position and direction (steps), the window and its sums (window), what is full (saturation); and how
+all of it comes to the ports (snapshots, flags). What these share of the contract, of pins, steps
+and strobes, is written once more without the gateware (contract).
+"""
+
+from railgate.odometer.proofs import (
+    flags,
+    inputs,
+    periods,
+    pulses,
+    saturation,
+    snapshots,
+    steps,
+    window,
+)
 from railgate.proving import Claim
 
 __all__ = ["CLAIMS"]
 
-CLAIMS: tuple[Claim, ...] = inputs.CLAIMS
+CLAIMS: tuple[Claim, ...] = (
+    *inputs.CLAIMS,
+    *pulses.CLAIMS,
+    *periods.CLAIMS,
+    *steps.CLAIMS,
+    *window.CLAIMS,
+    *saturation.CLAIMS,
+    *snapshots.CLAIMS,
+    *flags.CLAIMS,
+)

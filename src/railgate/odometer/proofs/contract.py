@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from fractions import Fraction
 
 from amaranth.hdl import Array, Cat, Module, Mux, Signal, Value
 from amaranth.lib import wiring
@@ -11,7 +12,17 @@ from amaranth.lib.wiring import In, Out
 from railgate.odometer.spec import Config, Direction
 from railgate.proving import Internals, Monitor
 
-__all__ = ["SEATED", "Channel", "Observed", "Strobes", "Travel", "quarter"]
+__all__ = ["SEATED", "SMALL", "Channel", "Observed", "Strobes", "Travel", "quarter"]
+
+SMALL = Config(
+    clock_hz=20_000,
+    overspeed_kmh=Fraction(80),
+    minimum_kmh=Fraction(60),
+    period_bits=5,
+    count_bits=8,
+    window_pulses=3,
+)
+"""What is default beside these: all limits are met within some hundred ticks."""
 
 SEATED = 3
 """The tick from which the pin's level, so late, is the filtered one where filter_ticks = 0."""

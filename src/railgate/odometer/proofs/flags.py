@@ -63,13 +63,9 @@ CLAIMS = (
                 "Mux(self.latch, 0, self.flags) | happened",
                 "Mux(self.latch, 0, self.flags | happened)",
             ),
-            _mutant(
-                "not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"
-            ),
+            _mutant("not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"),
             _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags"),
-            _mutant(
-                "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", "odometer"
-            ),
+            _mutant("reads-while-busy", "self.strobe & ~self.busy", "self.strobe", "odometer"),
         ),
     ),
 )

@@ -6,17 +6,18 @@ from functools import partial
 
 from amaranth.hdl import Module, Mux, Signal, Value
 
-from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.proofs.contract import SMALL, Observed
 from railgate.odometer.spec import Config, Flag
-from railgate.proving import Claim, Induction, Mutant, Run, Search
+from railgate.proving import TICK, Claim, Induction, Internals, Mutant, Run, Search
+from railgate.waves import Trace, Waveform
 
 __all__ = ["CLAIMS"]
 
-READ = 24
+READ = Search(24)
 """Ticks from reset within which an edge can be told."""
 
-SMALL = Config(period_bits=18, count_bits=8)
-"""Otherwise the default: as few bits as hold the period at minimum_kmh."""
+FULL = 1_200
+"""Ticks within which 8 bits of pulses are full, and read so."""
 
 
 class _Saturation(Observed):
@@ -88,7 +89,7 @@ class _Saturation(Observed):
             ),
             self.lemma.carried.eq(carried),
             self.holds.eq(told & (strobes.busy | ~due_at_strobe | _saturated(out))),
-            self.reached.eq(strobes.delivers & (inner["sensor.0.period"] != 0)),
+            self.reached.eq(strobes.delivers & ((inner["sensor.0.period"] != 0) | _saturated(out))),
         ]
         return m
 
@@ -97,7 +98,7 @@ def _at_most(limit: int, count: Value) -> Value:
     return Mux(count > limit, limit, count)
 
 
-def _binds(inner: object, name: str, since: Value, limit: int) -> Value:
+def _binds(inner: Internals, name: str, since: Value, limit: int) -> Value:
     """The invariant between ticks since an event and the gateware's register of them."""
     register, started = inner[f"sensor_0.{name}.ticks"], inner[f"sensor_0.{name}.started"]
     expected = Mux(since > limit, limit, Mux(started, since - 1, 0))
@@ -108,8 +109,18 @@ def _saturated(flags: Value) -> Value:
     return (flags & Flag.SATURATED).any()
 
 
-def _mutant(name: str, old: str, new: str, file: str, rejected: Run | Search) -> Mutant:
+def _mutant(name: str, old: str, new: str, file: str, rejected: Run | Search = READ) -> Mutant:
     return Mutant(name, f"railgate.odometer.gateware.{file}", old, new, rejected)
+
+
+def _bouncing() -> Trace:
+    """More edges of A than 8 bits can count and a read; then a rest, and a read again."""
+    ticks = range(0, FULL - 102, 2)  # the last is a fall, which voids the window
+    a = Waveform.of(ticks, [i % 2 for i in range(len(ticks))])
+    reads = FULL - 97, FULL - 40
+    changes = [0, *(tick + more for tick in reads for more in range(2))]
+    strobe = Waveform.of(changes, [i % 2 for i in range(len(changes))])
+    return Trace({"a": a, "strobe": strobe}, TICK, 0, FULL)
 
 
 _SHALLOW = (
@@ -118,19 +129,69 @@ _SHALLOW = (
         "Mux(self.restart, 0, self.now)",
         "Mux(self.restart, 1, self.now)",
         "steps",
-        Search(READ),
     ),
-    _mutant("edges-of-a-only", "since_edge.restart.eq(a_edge | b_edge)", "since_edge.restart.eq(a_edge)", "sensor", Search(READ)),
+    _mutant(
+        "edges-of-a-only",
+        "since_edge.restart.eq(a_edge | b_edge)",
+        "since_edge.restart.eq(a_edge)",
+        "sensor",
+    ),
+    _mutant(
+        "never-restarts", "since_rise.restart.eq(a.rise)", "since_rise.restart.eq(0)", "sensor"
+    ),
+)
+
+_DEEP = Run(FULL, _bouncing)
+
+_CLAIM = (
+    "The ticks since the last rising edge of A and since the last edge of any kind, the period "
+    "and the pulses of each snapshot are what they are up to the greatest value of their widths, "
+    "and stay there, never wrapping; a snapshot of a time in which ticks since the last rising "
+    "edge became as great, or more pulses came, has the flag SATURATED"
 )
 
 CLAIMS = (
     Claim(
         name="odometer.saturation",
-        claim="",
-        requirements=("ODO-2", "ODO-12"),
+        claim=f"{_CLAIM} (default configuration).",
+        requirements=("ODO-2", "ODO-6", "ODO-11", "ODO-12"),
         monitor=partial(_Saturation, Config()),
         method=Induction(),
-        cover=Search(READ),
+        cover=READ,
         mutants=_SHALLOW,
+    ),
+    Claim(
+        name="odometer.saturation-scaled",
+        claim=(
+            f"{_CLAIM} (scaled, so that mutants meet the limits: period_bits = 5, count_bits = 8)."
+        ),
+        requirements=("ODO-2", "ODO-6", "ODO-11", "ODO-12"),
+        monitor=partial(_Saturation, SMALL),
+        method=Induction(),
+        cover=READ,
+        mutants=(
+            _mutant(
+                "wraps",
+                "Mux(full, self._limit, self.ticks + started)",
+                "self.ticks + started",
+                "steps",
+                _DEEP,
+            ),
+            _mutant(
+                "untold",
+                "since_rise.reaches | window.saturated",
+                "window.saturated",
+                "sensor",
+                _DEEP,
+            ),
+            _mutant(
+                "pulses-wrap",
+                "pulses + (a.rise & ~pulses_full)",
+                "pulses + a.rise",
+                "sensor",
+                _DEEP,
+            ),
+            _mutant("pulses-untold", "| (a.rise & pulses_full)", "", "sensor", _DEEP),
+        ),
     ),
 )

@@ -15,7 +15,7 @@ READ = 26
 
 
 class _Steps(Observed):
-    """Each snapshot tells the steps of the pins' levels, told from the quarters that they are in."""
+    """Each snapshot tells the steps of the pins' levels, by the quarters that these are in."""
 
     def __init__(self) -> None:
         super().__init__(Config(), lemmas=("live", "carried"))
@@ -74,7 +74,8 @@ class _Agreement(Observed):
         def agrees(where: str, seated: Value) -> Value:
             names = ("position", "illegal_transitions", "level_a", "level_b")
             position, illegal, a, b = (inner[where.format(name)] for name in names)
-            return (quarter(a, b) - position - 2 * illegal)[:2] == Mux(seated, start, 0)
+            same = (quarter(a, b) - position - 2 * illegal)[:2] == start
+            return Mux(seated, same, Cat(position, illegal, a, b) == 0)
 
         told = agrees("sensor.0.{}", seated)
         under_way = Mux(
@@ -88,9 +89,7 @@ class _Agreement(Observed):
         m.d.comb += [
             self.lemma.levels.eq(Cat(*levels).all()),
             self.lemma.live.eq(agrees("sensor_0.{}", tick > SEATED)),
-            self.lemma.carried.eq(
-                Mux(strobes.busy, under_way, told) & (~seated | (tick > SEATED))
-            ),
+            self.lemma.carried.eq(Mux(strobes.busy, under_way, told) & (~seated | (tick > SEATED))),
             self.holds.eq(strobes.busy | told),
             self.reached.eq(
                 strobes.delivers & (inner["sensor.0.position"] == -2) & seated & (start == 1)
@@ -117,28 +116,67 @@ CLAIMS = (
         method=Induction(),
         cover=Search(READ),
         mutants=(
-            _mutant("wrong-sign", "+ steps.forward - steps.reverse", "- steps.forward + steps.reverse"),
-            _mutant("other-edge", "self.a ^ self.b ^ self.b_edge", "self.a ^ self.b ^ self.a_edge", "steps"),
-            _mutant("illegal-steps", "step = self.a_edge ^ self.b_edge", "step = self.a_edge | self.b_edge", "steps"),
-            _mutant("keeps-direction", "self.direction.eq(Direction.NONE)", "self.direction.eq(self.direction)", "steps"),
-            _mutant("latches-late", "with m.If(gate.latch):", "with m.If(gate.busy & ~gate.publish):", "odometer"),
+            _mutant(
+                "wrong-sign", "+ steps.forward - steps.reverse", "- steps.forward + steps.reverse"
+            ),
+            _mutant(
+                "other-edge",
+                "self.a ^ self.b ^ self.b_edge",
+                "self.a ^ self.b ^ self.a_edge",
+                "steps",
+            ),
+            _mutant(
+                "illegal-steps",
+                "step = self.a_edge ^ self.b_edge",
+                "step = self.a_edge | self.b_edge",
+                "steps",
+            ),
+            _mutant(
+                "keeps-direction",
+                "self.direction.eq(Direction.NONE)",
+                "self.direction.eq(self.direction)",
+                "steps",
+            ),
+            _mutant(
+                "latches-late",
+                "with m.If(gate.latch):",
+                "with m.If(gate.busy & ~gate.publish):",
+                "odometer",
+            ),
         ),
     ),
     Claim(
         name="odometer.quarters",
         claim=(
-            "In each snapshot position + 2 · illegal_transitions is, modulo 4, how many quarters "
-            "forward of the levels at start level_a and level_b are (default configuration)."
+            "In each snapshot of a strobe from tick 3 on, position + 2 · illegal_transitions is, "
+            "modulo 4, how many quarters forward of the levels at start level_a and level_b are; "
+            "before, all of them are 0 (default configuration)."
         ),
         requirements=("ODO-5", "ODO-6", "ODO-7"),
         monitor=_Agreement,
         method=Induction(),
         cover=Search(READ),
         mutants=(
-            _mutant("level-tick-late", "self.level_a.eq(a.level)", "self.level_a.eq(a.level & ~a.rise)"),
-            _mutant("rises-only", "a_edge, b_edge = a.rise | a.fall, b.rise | b.fall", "a_edge, b_edge = a.rise, b.rise"),
-            _mutant("illegal-untold", "self.illegal_transitions + steps.illegal", "self.illegal_transitions"),
-            Mutant("edge-at-start", "railgate.primitives.inputs", "(age == STAGES + 2) &", "(age >= STAGES + 1) &", Search(READ)),
+            _mutant(
+                "level-tick-late", "self.level_a.eq(a.level)", "self.level_a.eq(a.level & ~a.rise)"
+            ),
+            _mutant(
+                "rises-only",
+                "a_edge, b_edge = a.rise | a.fall, b.rise | b.fall",
+                "a_edge, b_edge = a.rise, b.rise",
+            ),
+            _mutant(
+                "illegal-untold",
+                "self.illegal_transitions + steps.illegal",
+                "self.illegal_transitions",
+            ),
+            Mutant(
+                "edge-at-start",
+                "railgate.primitives.inputs",
+                "(age == STAGES + 2) &",
+                "(age >= STAGES + 1) &",
+                Search(READ),
+            ),
         ),
     ),
 )

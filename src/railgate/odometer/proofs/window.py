@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
+from functools import partial
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.proofs.contract import SMALL, Observed
 from railgate.odometer.spec import Config
-from railgate.proving import Claim, Induction, Internals, Mutant, Run, Search
+from railgate.proving import TICK, Claim, Induction, Internals, Mutant, Run, Search
+from railgate.waves import Trace, Waveform
 
 __all__ = ["CLAIMS"]
 
-READ = 28
+READ = Search(28)
 """Ticks from reset within which a window of several periods can be told."""
 
-SHORT = Config(
-    clock_hz=20_000,
-    overspeed_kmh=Fraction(80),
-    minimum_kmh=Fraction(60),
-    period_bits=5,
-    window_pulses=4,
-)
-"""Windows and periods so short that sums of products can be written out, and limits be met."""
+ROLLING = 400
+"""Ticks of several windows of a rolling wheel."""
 
 
 class _Window(Observed):
@@ -49,7 +44,10 @@ class _Window(Observed):
         overflow = seated & ~lost & rise & (n == self.config.window_pulses)
         adds = Signal()
         starts = Signal()
-        m.d.comb += [adds.eq(rise & seated & ~lost & ~overflow), starts.eq(~seated | lost | overflow)]
+        m.d.comb += [
+            adds.eq(rise & seated & ~lost & ~overflow),
+            starts.eq(~seated | lost | overflow),
+        ]
         seated_now = rise | (seated & ~lost)
         boundary_now = Mux(rise & starts, tick, boundary)
         last_now = Mux(rise, tick, last)
@@ -64,7 +62,9 @@ class _Window(Observed):
         self.t, self.n, self.n_now, self.adds, self.starts = t, n, n_now, adds, starts
         self.seated, self.ticks = seated, Mux(seated, (last - boundary)[:width], 0)
 
-        now = Mux(self.strobes.latches, inner["sensor_0.since_rise"], inner["sensor_0.window.elapsed"])
+        now = Mux(
+            self.strobes.latches, inner["sensor_0.since_rise"], inner["sensor_0.window.elapsed"]
+        )
         m.d.comb += self.lemma.boundary.eq(
             ~seated
             | (
@@ -107,6 +107,20 @@ class _Window(Observed):
         ]
 
 
+class _Edges(_Window):
+    """Which edges are the window's, and the ticks between its first and its last one."""
+
+    def __init__(self) -> None:
+        super().__init__(Config())
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.odometer(m)
+        self.tells(m, inner, self.window(m, inner), {})
+        m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
+        return m
+
+
 class _Sums(_Window):
     """sum_a is the sum of all t_k, sum_b that of sum_a as it stood after each of them."""
 
@@ -128,9 +142,7 @@ class _Sums(_Window):
         ]
         fields |= {"sum_a": total_now, "sum_b": nested_now}
         self.tells(m, inner, fields, {"sum_a": total, "sum_b": nested})
-        m.d.comb += self.reached.eq(
-            self.strobes.delivers & (inner["sensor.0.window_n"] == 2)
-        )
+        m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
         return m
 
 
@@ -141,7 +153,7 @@ class _LeastSquares(_Window):
     """
 
     def __init__(self) -> None:
-        super().__init__(SHORT)
+        super().__init__(SMALL)
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -158,7 +170,7 @@ class _LeastSquares(_Window):
 
         before, after = self._sums(ticks, self.n), self._sums(ticks_now, self.n_now)
         self.tells(m, inner, fields | after, before)
-        m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 3))
+        m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
         return m
 
     def _sums(self, ticks: list[Value], n: Value) -> dict[str, Value]:
@@ -172,42 +184,89 @@ class _LeastSquares(_Window):
         return sums
 
 
-def _mutant(name: str, old: str, new: str, rejected: Run | Search = Search(READ)) -> Mutant:
+def _mutant(name: str, old: str, new: str, rejected: Run | Search = READ) -> Mutant:
     return Mutant(name, "railgate.odometer.gateware.window", old, new, rejected)
 
 
+def _rolling(quarter: int) -> Trace:
+    """A wheel that rolls forward at so many ticks a quarter period, read every 60 ticks."""
+
+    def square(half: int, delay: int = 0) -> Waveform:
+        ticks = [0, *range(half + delay, ROLLING, half)]
+        return Waveform.of(ticks, [i % 2 for i in range(len(ticks))])
+
+    waves = {"a": square(2 * quarter), "b": square(2 * quarter, quarter), "strobe": square(30)}
+    return Trace(waves, TICK, 0, ROLLING)
+
+
+_ROLLS = Run(ROLLING, partial(_rolling, 2))
+_ROLLS_SLOWLY = Run(ROLLING, partial(_rolling, 3))
+_ROLLS_FAST = Run(ROLLING, partial(_rolling, 1))
+_SUM_BEFORE = _mutant("sum-before", "eq(sum_b + sum_a + now)", "eq(sum_b + sum_a)")
+_TICK_MISSING = _mutant(
+    "tick-missing", "self.since_rise, elapsed) + 1", "self.since_rise, elapsed)"
+)
+
 CLAIMS = (
+    Claim(
+        name="odometer.window",
+        claim=(
+            "In each snapshot window_n is the number of rising edges of A since the window's "
+            "boundary edge, at most window_pulses, and window_ticks the ticks from it to the last "
+            "of them; reversals, illegal transitions, saturation and overflow void the window, "
+            "strobes move its boundary to its last edge (default configuration)."
+        ),
+        requirements=("ODO-10",),
+        monitor=_Edges,
+        method=Induction(),
+        cover=READ,
+        mutants=(
+            _TICK_MISSING,
+            _mutant("reversal-stays", "self.window_seated & self.broken", "0"),
+            _mutant(
+                "old-boundary",
+                "Mux(self.latch, self.since_rise, elapsed)",
+                "elapsed",
+                _ROLLS,
+            ),
+        ),
+    ),
     Claim(
         name="odometer.sums",
         claim=(
-            "In each snapshot window_n is the number n of rising edges of A since the window's "
-            "boundary edge, at most window_pulses; window_ticks the ticks from it to the last of "
-            "them; sum_a the sum of the ticks t_k from it to each, and sum_b the sum of sum_a "
-            "after each; reversals, illegal transitions, saturation and overflow void the window, "
-            "and strobes move its boundary to its last edge (default configuration)."
+            "In each snapshot sum_a is the sum of the ticks t_k from the window's boundary edge to "
+            "each of its n edges, and sum_b the sum of sum_a as it was after each (default "
+            "configuration, modulo their widths, which n edges cannot fill)."
         ),
         requirements=("ODO-10",),
         monitor=_Sums,
         method=Induction(),
-        cover=Search(READ),
+        cover=READ,
         mutants=(
-            _mutant("sum-before", "self.sum_b.eq(sum_b + sum_a + now)", "self.sum_b.eq(sum_b + sum_a)"),
-            _mutant("tick-missing", "self.since_rise, elapsed) + 1", "self.since_rise, elapsed)"),
-            _mutant("reversal-stays", "self.window_seated & self.broken", "0"),
+            _SUM_BEFORE,
+            _TICK_MISSING,
+            _mutant("product", "self.sum_a.eq(sum_a + now)", "self.sum_a.eq(sum_a << 1 | now)"),
         ),
+        fast=False,
     ),
     Claim(
         name="odometer.sums-least-squares",
-        claim="",
+        claim=(
+            "In each snapshot sum_b is the sum of (n + 1 - k) · t_k over k = 1 … n, so that "
+            "6 · ((n + 2) · sum_a - 2 · sum_b) / (n · (n + 1) · (n + 2)) is the slope of the least "
+            "squares through t_k, k = 0 … n (scaled: window_pulses = 3, period_bits = 5)."
+        ),
         requirements=("ODO-10",),
         monitor=_LeastSquares,
         method=Induction(),
-        cover=Search(READ),
+        cover=READ,
         mutants=(
-            _mutant("sum-before", "self.sum_b.eq(sum_b + sum_a + now)", "self.sum_b.eq(sum_b + sum_a)"),
-            _mutant("old-boundary", "Mux(self.latch, self.since_rise, elapsed)", "elapsed", Search(44)),
-            _mutant("edge-too-many", "n == config.window_pulses", "n > config.window_pulses"),
-            _mutant("edge-too-few", "n == config.window_pulses", "n == config.window_pulses - 1"),
+            _SUM_BEFORE,
+            _mutant("edge-too-many", "n == config.window_pulses", "0", _ROLLS_FAST),
+            _mutant(
+                "edge-too-few", "n == config.window_pulses", "n == config.window_pulses - 1", _ROLLS
+            ),
+            _mutant("never-saturates", "(now == config.period_max)", "0", _ROLLS_SLOWLY),
         ),
     ),
 )
