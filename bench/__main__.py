@@ -39,7 +39,7 @@ def main(names: list[str]) -> int:
 
 
 def _text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 sys.exit(main(sys.argv[1:]))

@@ -25,7 +25,7 @@ CYCLES = 6
 
 def short(ticks_per_bit: Fraction, slack_bits: int = 0, **named: Any) -> Config:
     """A configuration whose cycle is not much longer than it has to be."""
-    bits = named["word_bits"] + named.get("window_bits", 0)
+    bits = max(named["word_bits"], named.get("request_bits", Config.request_bits) + 1)
     while True:
         ticks = round(bits * ticks_per_bit)
         rate = Fraction(bits * CLOCK_HZ, ticks)
