@@ -114,5 +114,6 @@ CLAIMS = (
             _mutant("tick-early", "remaining.eq(latency - 1)", "remaining.eq(latency - 2)"),
             _mutant("time-of-delivery", "self.time.eq(strobe_time)", "self.time.eq(self.ticks)"),
         ),
+        fast=False,
     ),
 )
