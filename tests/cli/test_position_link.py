@@ -137,6 +137,32 @@ def test_decode_does_without_requests_and_takes_a_coarser_capture(
     assert {path.name for path in out_folder.iterdir()} == names
 
 
+def test_a_capture_without_an_answer_gives_an_empty_table(railgate, captured, tmp_path) -> None:
+    idle = read(captured / "link.vcd", ["clk", "uef", "data"]).slice(8_000, 700_000)
+    write_parquet(tmp_path / "idle.parquet", idle)
+    folder = tmp_path / "out"
+    code, out, _ = railgate("decode", str(tmp_path / "idle.parquet"), *LINE, "--out", str(folder))
+    assert code == 0
+    assert "good words  0" in out
+    assert (folder / "answers.csv").read_text().split() == ["t_s,uef_s,bits,word,causes"]
+    assert pyarrow.parquet.read_table(folder / "answers.parquet").num_rows == 0
+
+
+def test_a_line_may_be_faster_than_the_filter_of_a_link_allows(railgate, captured) -> None:
+    options = ("--bit-rate", "2MHz", "--cycle", "100us", "--anf", "anf", "--json")
+    code, out, _ = railgate("decode", str(captured / "link.vcd"), *LINE, *options)
+    assert code == 0
+    assert json.loads(out)["good"] == 6
+
+
+def test_an_hour_is_shown_in_a_few_rows(railgate) -> None:
+    code, out, _ = railgate("simulate", "link", "--seconds", "3600", "--fault", "missing@1800s")
+    rows = [line for line in out.splitlines() if re.match(r" *\d+\.\d{6} ", line)]
+    assert code == 0
+    assert len(rows) == 5
+    assert "… 89998 alike …" in out
+
+
 def test_other_words_are_sent_and_read_without_a_layout(railgate) -> None:
     options = ("--word-bits", "128", "--check", "crc:16:0x1021:0xffff", "--fault-word", "0x0")
     code, out, _ = railgate(*SIMULATE, *options, "--fault", "fault-word@100ms", "--json")
@@ -165,6 +191,7 @@ def test_other_words_are_sent_and_read_without_a_layout(railgate) -> None:
         (("--engine", "steam"), "leap, cxxrtl, pysim"),
         (("--seconds", "0s"), "cycles must be between 1 and"),
         (("--latency", "20000"), "latency"),
+        (("--waves", "1001"), "less than or equal to 1000"),
         (("--out", "/dev/null/x"), "cannot be written"),
     ],
 )

@@ -152,7 +152,7 @@ def simulate_link(
     delay: Annotated[int, typer.Option(help="Of cable and launch, ticks.")] = 2,
     seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0,
     waves: Annotated[
-        int, typer.Option(min=1, help="So many cycles at the beginning are written as waves.")
+        int, typer.Option(min=1, max=1000, help="So many cycles, the first ones, go into waves.")
     ] = 25,
     *,
     setup: Link,
@@ -208,9 +208,9 @@ def decode_(
     if len(channels) < 3 + bool(anf):
         raise ValueError(f"CLK, UEF, DATA and ANF must be different channels, not {list(channels)}")
     layout = setup.words()
-    found = decode(
-        read(capture, list(channels)).rename(channels), setup.config(layout), layout, filter
-    )
+    # What only a link must fit into a bit and a cycle, its own filter and frame, binds no capture.
+    config = setup.config(layout, filter_ticks=0, bare=True)
+    found = decode(read(capture, list(channels)).rename(channels), config, layout, filter)
     paths = []
     if setup.out:
         from railgate.position_link.record import record_decoded

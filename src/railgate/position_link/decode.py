@@ -10,15 +10,10 @@ from typing import Any
 
 from railgate.position_link.host import Layout, guarantee
 from railgate.position_link.model import Answer, Reading, read_line
-from railgate.position_link.spec import Cause, Config
+from railgate.position_link.spec import Config, cause_names
 from railgate.waves import Trace
 
-__all__ = ["Decoded", "causes", "decode", "word_text"]
-
-
-def causes(raised: int) -> list[str]:
-    """The names of these causes, in lower case."""
-    return [cause.name.lower() for cause in Cause if cause.name and raised & cause]
+__all__ = ["Decoded", "decode", "word_text"]
 
 
 def word_text(word: int, word_bits: int) -> str:
@@ -56,8 +51,8 @@ class Decoded:
     @property
     def counts(self) -> dict[str, int]:
         """How many answers have each cause."""
-        counted = Counter(name for answer in self.answers for name in causes(answer.causes))
-        return {name: counted[name] for name in causes(~0)}
+        counted = Counter(name for answer in self.answers for name in cause_names(answer.causes))
+        return {name: counted[name] for name in cause_names()}
 
     def as_json(self) -> dict[str, Any]:
         """All but the waves, as plain numbers, strings and lists; see docs/commands.md."""
@@ -81,7 +76,7 @@ class Decoded:
             "uef_s": None if answer.rise is None else self.time_s(answer.rise),
             "bits": answer.bits,
             "word": None if word is None else word_text(word, self.config.word_bits),
-            "causes": causes(answer.causes),
+            "causes": list(cause_names(answer.causes)),
             "values": dict(self.values(answer)),
         }
 

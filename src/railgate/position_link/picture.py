@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from railgate.position_link.simulate import Run
-from railgate.position_link.spec import Cause, Health
+from railgate.position_link.spec import Health, cause_names
 from railgate.waves import Waveform, replacing
 
 __all__ = ["draw"]
@@ -24,14 +24,14 @@ HEALTH = {
     Health.ALARM: ("alarm", RED),
     Health.RECOVERING: ("recovering", "#5aa6c9"),
 }
-CAUSES = [cause.name.lower() for cause in Cause if cause.name]
+CAUSES = cause_names()
 PINS = ("clk", "anf", "uef", "data", "radio_valid", "radio_data")
 
 
 def draw(run: Run, path: Path) -> None:
     """Draw into a PNG file, which is there whole or not. Raises ValueError."""
     raised = int(np.bitwise_or.reduce(run.deliveries.fields["causes"], initial=0))
-    causes = [name for bit, name in enumerate(CAUSES) if raised >> bit & 1]
+    causes = cause_names(raised)
     figure = Figure(figsize=(11, 8.5), layout="constrained", dpi=110)
     heights = (0.5, 1.4, 0.3 + 0.2 * max(1, len(causes)))
     parts: Any = figure.subfigures(2, 1, height_ratios=(1.2, 1))
@@ -87,7 +87,7 @@ def _age(ax: Axes, run: Run, times: np.ndarray) -> None:
     ax.grid(alpha=0.25)
 
 
-def _causes(ax: Axes, run: Run, times: np.ndarray, causes: list[str]) -> None:
+def _causes(ax: Axes, run: Run, times: np.ndarray, causes: tuple[str, ...]) -> None:
     raised = run.deliveries.fields["causes"]
     for row, name in enumerate(causes):
         at = times[(raised >> CAUSES.index(name) & 1).astype(bool)]
@@ -120,12 +120,8 @@ def _pins(ax: Axes, run: Run) -> None:
         annotation_clip=False,
     )
     ax.set_yticks([0.4 - 1.4 * row for row in range(len(PINS))], PINS, fontsize=8)
-    raised = [
-        name.replace("_", " ")
-        for bit, name in enumerate(CAUSES)
-        if int(run.deliveries.fields["causes"][cycle]) >> bit & 1
-    ]
-    told = ", ".join(raised) or "good"
+    raised = cause_names(int(run.deliveries.fields["causes"][cycle]))
+    told = ", ".join(raised).replace("_", " ") or "good"
     ax.set_xlabel(f"time in cycle {cycle + 1} ({told}) / µs")
 
 

@@ -29,7 +29,7 @@ __all__ = ["Run", "simulate"]
 Progress = Callable[[float], None]
 
 PART_CYCLES = 500
-"""So many are run between two reports of progress."""
+"""So many are run at once, where no progress is reported."""
 PINS = ("clk", "anf", "uef", "data")
 RADIO = ("radio_valid", "radio_data")
 
@@ -74,14 +74,18 @@ class Run:
 
     def _told(self, each: Delivery) -> dict[str, Any]:
         """One cycle as plain numbers, strings and lists."""
-        told = asdict(each)
         return {
-            "tick": told.pop("tick"),
-            "t_s": told.pop("time_s"),
-            **told,
+            "tick": each.tick,
+            "t_s": each.time_s,
+            "number": each.number,
             "word": word_text(each.word, self.config.word_bits),
             "status": each.status.name.lower(),
+            "age": each.age,
+            "age_s": each.age_s,
             "health": each.health.name.lower(),
+            "causes": list(each.causes),
+            "values": dict(each.values),
+            "consistent": each.consistent,
         }
 
 
@@ -106,8 +110,12 @@ def simulate(
     radio = _parts(outputs(config), "radio.")
     fields = _parts({field.name: field.width for field in config.fields})
     told = ["delivery", *fields, *RADIO, *([] if leaps else radio)]
-    pieces = list(_run(opened, stimulus, wave_cycles, told, config, progress))
-    waves, link = pieces[0], pieces[0].select(told).concatenate(*pieces[1:])
+    kept = min(max(wave_cycles, 1) * config.cycle_ticks, stimulus.end)
+    part = config.cycle_ticks * (1 if progress else PART_CYCLES)
+    first = list(_run(opened, kept, stimulus, part, None, progress))
+    rest = list(_run(opened, stimulus.end, stimulus, part, told, progress))
+    waves = first[0].concatenate(*first[1:])
+    link = waves.select(told).concatenate(*rest)
     if leaps:
         heard = received(config, link)
         pins = stimulus.slice(0, waves.end)
@@ -131,17 +139,14 @@ def _parts(widths: Mapping[str, int], prefix: str = "") -> list[str]:
 
 def _run(
     opened: Engine,
+    until: int,
     stimulus: Trace,
-    wave_cycles: int,
-    told: list[str],
-    config: Config,
+    part: int,
+    outputs: list[str] | None,
     progress: Progress | None,
 ) -> Iterator[Trace]:
-    """The first cycles with all outputs, then, in parts, the rest with those of `told` only."""
-    kept = min(max(wave_cycles, 1) * config.cycle_ticks, stimulus.end)
-    yield opened.advance(kept, stimulus)
-    while opened.now < stimulus.end:
+    """Run to a tick in parts of so many ticks, with these outputs."""
+    while opened.now < until:
+        yield opened.advance(min(opened.now + part, until), stimulus, outputs)
         if progress:
             progress(opened.now / stimulus.end)
-        until = min(opened.now + PART_CYCLES * config.cycle_ticks, stimulus.end)
-        yield opened.advance(until, stimulus, told)

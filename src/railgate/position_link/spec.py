@@ -79,11 +79,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
+from functools import cache
 from math import ceil, floor
 
 from railgate.bounds import require
 
-__all__ = ["CRC16", "EVEN", "ODD", "Cause", "Check", "Config", "Edge", "Field", "Health", "Status"]
+__all__ = [
+    "CRC16",
+    "EVEN",
+    "ODD",
+    "Cause",
+    "Check",
+    "Config",
+    "Edge",
+    "Field",
+    "Health",
+    "Status",
+    "cause_names",
+]
 
 
 class Edge(IntEnum):
@@ -124,6 +137,12 @@ class Cause(IntFlag):
     CHECK = 1 << 7
     FAULT_WORD = 1 << 8
     ZERO_WORD = 1 << 9
+
+
+@cache
+def cause_names(raised: int = ~0) -> tuple[str, ...]:
+    """The names of these causes, by default of all, in their order and in lower case."""
+    return tuple(cause.name.lower() for cause in Cause if cause.name and raised & cause)
 
 
 @dataclass(frozen=True)
@@ -184,7 +203,9 @@ class Config:
     zero_is_fault: the word zero is none. check: of the word, None where it has none: then a fault
     of DATA alone stays unseen. tolerated_cycles: faulty cycles in a row that bring the link down.
     recovery_cycles: good ones that bring it up. filter_ticks: levels of the inputs of at most so
-    many ticks vanish. guard_ticks: DATA holds still so long before and after it is sampled.
+    many ticks vanish. guard_ticks: DATA holds still so long before and after it is sampled. It must
+    exceed what UEF and DATA differ in delay, and the tick of jitter that CLK has: with less, and
+    with 0 always, an answer that changes at the sampling edge may be read wrong and look good.
     bare: the radio unit takes the bare word. count_bits, age_bits, age_ticks_bits: widths.
     """
 
@@ -341,9 +362,8 @@ class Config:
         """The fields of a delivery, each an output of that name."""
         never, old = (1 << self.age_bits) - 1, (1 << self.age_ticks_bits) - 1
         counts = tuple(
-            Field(f"{cause.name.lower()}_cycles", self.count_bits, "modulo its width", "cycles")
-            for cause in Cause
-            if cause.name
+            Field(f"{name}_cycles", self.count_bits, "modulo its width", "cycles")
+            for name in cause_names()
         )
         return (
             Field("number", self.count_bits, "of the delivery, from 1, modulo its width"),

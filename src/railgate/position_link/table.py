@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from itertools import groupby
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import pairwise
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from railgate.position_link.decode import Decoded, causes
+from railgate.position_link.decode import Decoded
 from railgate.position_link.host import Delivery, Layout, guarantee
 from railgate.position_link.model import Answer
 from railgate.position_link.simulate import Run
-from railgate.position_link.spec import Health
+from railgate.position_link.spec import Health, cause_names
 
 __all__ = ["show", "show_decoded"]
 
@@ -51,12 +54,12 @@ def _cycles(run: Run) -> Table:
         table.add_column(name, no_wrap=True)
     table.add_column("age/ms", justify="right", no_wrap=True)
     table.add_column("health", no_wrap=True)
-    table.add_column("causes", style="yellow")
+    table.add_column("causes", style="yellow", min_width=6, overflow="fold")
     for name in fields:
         table.add_column(_heading(name, layout), justify="right", no_wrap=True)
-    alike = groupby(run.deliveries, key=lambda each: (each.status, each.health, each.causes))
-    rows = [[_row(each, run.config.word_bits, fields) for each in group] for _, group in alike]
-    _fill(table, rows)
+    told = run.deliveries.fields
+    alike = _alike(told["status"], told["health"], told["causes"])
+    _fill(table, alike, lambda i: _row(run.deliveries[i], run.config.word_bits, fields))
     return table
 
 
@@ -66,12 +69,11 @@ def _answers(found: Decoded) -> Table:
     table.add_column("t/s", justify="right", no_wrap=True)
     table.add_column("word", no_wrap=True)
     table.add_column("bits", justify="right", no_wrap=True)
-    table.add_column("causes", style="yellow")
+    table.add_column("causes", style="yellow", min_width=6, overflow="fold")
     for name in fields:
         table.add_column(_heading(name, found.layout), justify="right", no_wrap=True)
-    alike = groupby(found.answers, key=lambda answer: answer.causes)
-    rows = [[_answer(found, answer, fields) for answer in group] for _, group in alike]
-    _fill(table, rows)
+    alike = _alike(found.reading.causes)
+    _fill(table, alike, lambda i: _answer(found, found.answers[i], fields))
     return table
 
 
@@ -81,23 +83,32 @@ def _answer(found: Decoded, answer: Answer, fields: Iterable[str]) -> list[str |
         f"{found.time_s(answer.tick):.6f}",
         "" if answer.word is None else hexadecimal(answer.word, found.config.word_bits),
         str(answer.bits),
-        ", ".join(name.replace("_", " ") for name in causes(answer.causes)),
+        _causes(cause_names(answer.causes)),
         *(_value(values, name) for name in fields),
     ]
 
 
-def _fill(table: Table, stretches: Iterable[list[list[str | Text]]]) -> None:
+def _alike(*columns: NDArray[Any]) -> Iterator[range]:
+    """The stretches of rows over which none of these columns changes."""
+    changes = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    ends = [0, *(np.flatnonzero(changes) + 1).tolist(), columns[0].size]
+    return (range(start, end) for start, end in pairwise(ends))
+
+
+def _fill(
+    table: Table, stretches: Iterable[range], row: Callable[[int], Iterable[str | Text]]
+) -> None:
     """The rows of each stretch, of a long one its ends."""
     for stretch in stretches:
         if table.row_count >= ROWS:
             table.caption = "this is the beginning; --out and --json have all"
             return
         left = len(stretch) - 2 if len(stretch) > ALIKE else 0
-        for row in stretch[:1] if left else stretch:
-            table.add_row(*row)
+        for i in stretch[:1] if left else stretch:
+            table.add_row(*row(i))
         if left:
-            table.add_row("", Text(f"… {left} more alike …", "dim"))
-            table.add_row(*stretch[-1])
+            table.add_row("", Text(f"… {left} alike …", "dim"))
+            table.add_row(*row(stretch[-1]))
 
 
 def _heading(name: str, layout: Layout | None) -> str:
@@ -112,7 +123,7 @@ def _row(each: Delivery, word_bits: int, fields: Iterable[str]) -> list[str | Te
         each.status.name.lower(),
         "" if each.age_s is None else f"{each.age_s * 1e3:.3f}",
         Text(each.health.name.lower(), STYLES[each.health]),
-        ", ".join(cause.replace("_", " ") for cause in each.causes),
+        _causes(each.causes),
         *(_value(each.values, name) for name in fields),
     ]
 
@@ -123,14 +134,24 @@ def hexadecimal(word: int, word_bits: int) -> str:
     return digits if len(digits) <= 16 else f"{digits[:8]}…{digits[-6:]}"
 
 
+def _causes(names: Iterable[str]) -> str:
+    return ", ".join(names).replace("_", " ")
+
+
 def _value(values: Mapping[str, float], name: str) -> str:
     return f"{values[name]:.10g}" if name in values else ""
 
 
 def _figures(run: Run) -> list[tuple[str, str]]:
     config, figures = run.config, run.summary
-    alarms = f"{figures.alarms}, the longest {figures.longest_alarm_s * 1e3:g} ms"
-    oldest = "none" if figures.oldest_s is None else f"{figures.oldest_s * 1e3:.3f} ms"
+    alarms, starting = "none", ""
+    if figures.alarms:
+        alarms = f"{figures.alarms}, the longest {figures.longest_alarm_s * 1e3:g} ms"
+    if figures.starting:
+        starting = f"; no good word yet at the first {figures.starting} deliveries"
+    oldest = "none delivered"
+    if figures.oldest_s is not None:
+        oldest = f"{figures.oldest_s * 1e3:.3f} ms, from UEF's rise to the delivery"
     return [
         (
             "engine",
@@ -145,8 +166,8 @@ def _figures(run: Run) -> list[tuple[str, str]]:
         ),
         ("faulty cycles", f"{figures.faulty_cycles}{_kinds(figures.causes)}"),
         ("glitches", f"{figures.rejected_glitches} rejected by the filters"),
-        ("alarms", alarms if figures.alarms else "none"),
-        ("oldest word", f"{oldest}, from UEF's rise to the delivery"),
+        ("alarms", f"{alarms}{starting}"),
+        ("oldest word", oldest),
         ("radio unit", f"{run.radio_frames} frames right, {run.radio_faults} wrong"),
         ("check", figures.guarantee),
     ]
@@ -154,11 +175,13 @@ def _figures(run: Run) -> list[tuple[str, str]]:
 
 def _findings(found: Decoded) -> list[tuple[str, str]]:
     reading, wanted = found.reading, float(found.config.bit_rate_hz) / 1e3
-    rate = "none" if reading.bit_rate_hz is None else f"{reading.bit_rate_hz / 1e3:.6g} kHz"
+    rate = "it never runs"
+    if reading.bit_rate_hz is not None:
+        rate = f"{reading.bit_rate_hz / 1e3:.6g} kHz in the mean, it stopped {reading.clock_stops}×"
     faulty = len(found.answers) - found.good
     return [
         ("capture", f"{float(found.line.duration_s):g} s, ticks of {found.line.period} s"),
-        ("CLK", f"{rate} in the mean, {wanted:g} kHz expected; it stopped {reading.clock_stops}×"),
+        ("CLK", f"{rate}; {wanted:g} kHz expected"),
         ("judged by", "captured requests" if reading.requests else "UEF alone, no ANF"),
         ("good words", f"{found.good}"),
         ("faulty", f"{faulty}{_kinds(found.counts)}"),

@@ -98,6 +98,8 @@ def test_unused_bits_are_named() -> None:
         ("word_bits = 1.5\n" + FIELD, "word_bits must be a whole number, not 1.5"),
         ("word_bits = true\n" + FIELD, "word_bits must be a whole number, not True"),
         ('word_bits = "sixteen"\n' + FIELD, "word_bits must be a whole number, not sixteen"),
+        ('word_bits = "0x__"\n' + FIELD, "word_bits must be a whole number, not 0x__"),
+        ('word_bits = "016"\n' + FIELD, "word_bits must be a whole number, not 016"),
         ("word_bits = 16\nzero_is_fault = 1\n" + FIELD, "zero_is_fault must be true or false"),
         ("word_bits = 16\nunused = 3\n" + FIELD, "unused must be a list, not 3"),
         ("word_bits = 16\nunused = [3]\n" + FIELD, "unused must be a text, not 3"),

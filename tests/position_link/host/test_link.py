@@ -206,6 +206,12 @@ def test_a_summary_counts_states_and_alarms() -> None:
     assert found.faulty_cycles == 16
 
 
+def test_recovering_without_an_alarm_is_none() -> None:
+    assert summary(read([START, BACK, BACK, FRESH])).alarms == 0
+    found = summary(read([START, BACK, DOWN, BACK, FRESH, HELD, DOWN, FRESH]))
+    assert (found.alarms, found.longest_alarm_s) == (2, 3 * 0.02)
+
+
 def test_an_alarm_lasts_over_lost_deliveries_and_to_the_end() -> None:
     run = read([FRESH, DOWN, DOWN, DOWN])
     assert (summary(run).alarms, summary(run).longest_alarm_s) == (1, 0.06)

@@ -120,7 +120,7 @@ def test_wide_words_are_told_in_parts() -> None:
 @pytest.mark.parametrize(
     ("fields", "cycles", "message"),
     [
-        ({}, 0, "cycles must be between 1 and 10000000, not 0"),
+        ({}, 0, "cycles must be between 1 and 2000000, not 0"),
         ({"speed_kmh": -1}, 1, "speed_kmh must be between 0 and 1000, not -1"),
         ({"speed_kmh": float("nan")}, 1, "speed_kmh must be between 0 and 1000, not nan"),
         ({"seed": -1}, 1, "seed must be between 0 and .*, not -1"),

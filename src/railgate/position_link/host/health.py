@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from railgate.position_link.host.layout import guarantee
 from railgate.position_link.host.link import Deliveries
-from railgate.position_link.spec import Cause, Health, Status
+from railgate.position_link.spec import Health, Status, cause_names
 
 __all__ = ["Summary", "summary"]
 
@@ -21,10 +21,10 @@ class Summary:
     fresh, held: deliveries of that status, with a word to believe; fault: all others; starting:
     those before the first good cycle. lost: deliveries missing by their numbers. restarts: resets
     on the way. inconsistent: see `Deliveries`; nothing of these is used. faulty_cycles, causes:
-    cycles faulty, and by each cause, in lower case, lost deliveries' too. alarms: how often the
-    link went down, or was so at the beginning; longest_alarm_s: from the first delivery down to the
-    first one up. oldest_s: the greatest age of a word believed, None where none was. guarantee:
-    what the check says of DATA.
+    cycles faulty, and by each cause, in lower case, lost deliveries' too. alarms: stretches of
+    ALARM and RECOVERING, but for those without any ALARM, such as after START; longest_alarm_s:
+    from the first delivery down to the first one up. oldest_s: the greatest age of a word
+    believed, None where none was. guarantee: what the check says of DATA.
     """
 
     deliveries: int
@@ -65,11 +65,7 @@ def summary(run: Deliveries) -> Summary:
         restarts=int(run.restarted[1:].sum()),
         inconsistent=int(run.inconsistent.sum()),
         faulty_cycles=run.grown("faulty_cycles"),
-        causes={
-            cause.name.lower(): run.grown(f"{cause.name.lower()}_cycles")
-            for cause in Cause
-            if cause.name
-        },
+        causes={name: run.grown(f"{name}_cycles") for name in cause_names()},
         rejected_glitches=run.grown("rejected_glitches"),
         alarms=alarms.size,
         longest_alarm_s=int(alarms.max(initial=0)) / run.config.clock_hz,
@@ -79,9 +75,12 @@ def summary(run: Deliveries) -> Summary:
 
 
 def _alarms_ticks(run: Deliveries) -> NDArray[np.int64]:
-    """How long the link was down each time, ticks; the last one until its next delivery is due."""
-    down = np.isin(run.fields["health"], (Health.ALARM, Health.RECOVERING))
-    turns = np.flatnonzero(np.diff(down, prepend=False, append=False))
+    """How long each alarm was, ticks; the last one until its next delivery is due."""
+    health = run.fields["health"]
+    down = np.isin(health, (Health.ALARM, Health.RECOVERING))
+    turns = np.flatnonzero(np.diff(down, prepend=False, append=False)).reshape(-1, 2)
+    before = np.append(0, np.cumsum(health == Health.ALARM))
+    turns = turns[before[turns[:, 1]] > before[turns[:, 0]]]
     until = np.append(run.ticks, run.ticks[-1:] + run.config.cycle_ticks)
-    lengths: NDArray[np.int64] = np.diff(until[turns].reshape(-1, 2)).ravel()
+    lengths: NDArray[np.int64] = np.diff(until[turns]).ravel()
     return lengths

@@ -21,6 +21,7 @@ Reader = Callable[[str, object], Any]
 """Makes of a key and what the file says of it what a layout needs. Raises ValueError."""
 
 
+INTEGER = re.compile(r"0x_?[0-9a-fA-F]+(_[0-9a-fA-F]+)*|0|[1-9][0-9]{0,199}")
 DECIMAL = partial(Decimal, context=Context(traps=[]))
 """What is no number, or too great for one, is NaN."""
 
@@ -57,7 +58,7 @@ def example() -> Layout:
 
 
 def _integer(key: str, value: object) -> int:
-    if isinstance(value, str) and re.fullmatch(r"0x[0-9a-fA-F_]+|\d+", value):
+    if isinstance(value, str) and INTEGER.fullmatch(value):
         value = int(value, 0)
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"{key} must be a whole number, not {value}")

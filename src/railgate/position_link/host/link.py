@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from railgate.position_link.host.layout import Layout
 from railgate.position_link.host.words import Words, pack, parted, sound, unpack
-from railgate.position_link.spec import Cause, Config, Health, Status
+from railgate.position_link.spec import Config, Health, Status, cause_names
 from railgate.waves.trace import Trace
 from railgate.waves.waveform import Ticks
 
@@ -160,10 +160,8 @@ class Deliveries:
             age=fields["age"],
             age_s=age_s if np.isfinite(age_s) else None,
             health=Health(health) if health <= max(Health) else Health.ALARM,
-            causes=tuple(
-                cause.name.lower() for cause in Cause if cause.name and cause & fields["causes"]
-            ),
-            values={name: column[i].item() for name, column in self.values.items()}
+            causes=cause_names(fields["causes"]),
+            values={name: column.data[i].item() for name, column in self.values.items()}
             if self.believed[i]
             else {},
             consistent=not self.inconsistent[i],

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from railgate.position_link.model.words import Words, parts_of
-from railgate.position_link.spec import Cause, Config, Health, Status
+from railgate.position_link.spec import Config, Health, Status, cause_names
 from railgate.waves.waveform import Ticks
 
 __all__ = ["COLUMNS", "LINK", "Table", "first_row", "judge", "limits"]
@@ -24,7 +24,7 @@ ALARM, RECOVERING = int(Health.ALARM), int(Health.RECOVERING)
 COLUMNS = (
     *("number", "status", "age", "age_ticks", "health", "causes", "faulty_cycles"),
     "rejected_glitches",
-    *(f"{cause.name.lower()}_cycles" for cause in Cause if cause.name),
+    *(f"{name}_cycles" for name in cause_names()),
     "word",
 )
 NUMBER, STATUS, AGE, AGE_TICKS, HEALTH, CAUSES, FAULTY, GLITCHES, COUNTS = range(9)
