@@ -2,7 +2,8 @@
 
 The filter of its inputs (inputs); then, from the pins on: counts (pulses), ticks (periods),
 position and direction (steps), the window and its sums (window), what is full (saturation); and how
-all of it comes to the ports (snapshots, flags). What these share of the contract, of pins, steps
+all of it comes to the ports (snapshots, flags); all of sensor 0, as which each other one is
+(sensors). What these share of the contract, of pins, steps
 and strobes, is written once more without the gateware (contract).
 """
 
@@ -12,6 +13,7 @@ from railgate.odometer.proofs import (
     periods,
     pulses,
     saturation,
+    sensors,
     snapshots,
     steps,
     window,
@@ -28,5 +30,6 @@ CLAIMS: tuple[Claim, ...] = (
     *window.CLAIMS,
     *saturation.CLAIMS,
     *snapshots.CLAIMS,
+    *sensors.CLAIMS,
     *flags.CLAIMS,
 )

@@ -152,8 +152,8 @@ class Strobes(wiring.Component):
 class Observed(Monitor):
     """An odometer with filter_ticks = 0, its sensor 0 and its strobe free; its other sensors rest.
 
-    For what is claimed of one sensor: all are the same gateware, with nothing but the gate in
-    common. `lemmas` are further ones beside `inputs` and `gate`.
+    For what is claimed of one sensor: each is what it would be alone, by odometer.sensors. `lemmas`
+    are further ones beside `inputs` and `gate`.
     """
 
     def __init__(self, config: Config, lemmas: Iterable[str] = ()) -> None:

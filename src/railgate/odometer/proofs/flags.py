@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import C, Cat, Module, Mux, Signal
 
 from railgate.odometer.proofs.contract import Observed
 from railgate.odometer.spec import Config, Flag
@@ -15,7 +15,11 @@ TWO_READS = 40
 
 
 class _Flags(Observed):
-    """A snapshot's flags are what happened after the strobe before, up to this strobe's tick."""
+    """A snapshot's flags are what happened after the strobe before, up to this strobe's tick.
+
+    Reversals and illegal transitions are the contract's, and without a filter there is no glitch;
+    the other events are those that the gateware's sensor finds.
+    """
 
     def __init__(self) -> None:
         super().__init__(Config(), lemmas=("live", "carried"))
@@ -24,8 +28,13 @@ class _Flags(Observed):
         m = Module()
         inner = self.odometer(m)
 
+        events = dict(zip(Flag, inner["sensor_0.happened"], strict=True)) | {
+            Flag.REVERSAL: self.travel.reversal,
+            Flag.ILLEGAL: self.travel.illegal,
+            Flag.GLITCH: C(0),
+        }
         pending = Signal(len(Flag))
-        pending_now = pending | inner["sensor_0.happened"]
+        pending_now = pending | Cat(events.values())
         m.d.sync += pending.eq(Mux(self.strobes.opens, 0, pending_now))
         told, carried = self.reports(m, inner, {"flags": pending_now})
 
@@ -51,7 +60,9 @@ CLAIMS = (
         claim=(
             "Whatever the alignment of events and strobes, the flags of a snapshot are those of "
             "the events after the strobe before, up to and with this strobe's tick: each event is "
-            "told by exactly one snapshot (default configuration)."
+            "told by exactly one snapshot; REVERSAL and ILLEGAL are those of the pins, GLITCH "
+            "never comes, the other events are taken as the sensor finds them (default "
+            "configuration, so that filter_ticks = 0)."
         ),
         requirements=("ODO-7", "ODO-12"),
         monitor=_Flags,
@@ -65,6 +76,11 @@ CLAIMS = (
             ),
             _mutant("not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"),
             _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags"),
+            _mutant(
+                "other-flag",
+                "events[Flag.REVERSAL] = steps.reversal",
+                "events[Flag.REVERSAL] = steps.illegal",
+            ),
             _mutant("reads-while-busy", "self.strobe & ~self.busy", "self.strobe", "odometer"),
         ),
     ),

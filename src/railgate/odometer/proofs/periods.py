@@ -81,7 +81,7 @@ CLAIMS = (
         claim=(
             "The periods taken at the rising edges of A add up to exactly the ticks from the first "
             "such edge to the last one, whatever the edges of A and B and the strobes, unless one "
-            "of them saturated, which it tells (default configuration; sum modulo 2⁶⁴)."
+            "of them saturated, which it tells (sensor 0; default configuration; sum modulo 2⁶⁴)."
         ),
         requirements=("ODO-2",),
         monitor=_Periods,

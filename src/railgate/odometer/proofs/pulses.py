@@ -87,7 +87,7 @@ CLAIMS = (
             "Whatever the alignment of edges and strobes, also of strobes while busy, the pulses "
             "of all snapshots add up to the pin's rising edges of A up to the strobe's tick, none "
             "lost and none twice, unless pulses is full and flagged SATURATED; a_rising and "
-            "b_rising tell the edges of each pin (default configuration, modulo 2³²)."
+            "b_rising tell the edges of each pin (sensor 0; default configuration, modulo 2³²)."
         ),
         requirements=("ODO-6", "ODO-7"),
         monitor=_Pulses,

@@ -153,7 +153,7 @@ _CLAIM = (
 CLAIMS = (
     Claim(
         name="odometer.saturation",
-        claim=f"{_CLAIM} (default configuration).",
+        claim=f"{_CLAIM} (sensor 0; default configuration).",
         requirements=("ODO-2", "ODO-6", "ODO-11", "ODO-12"),
         monitor=partial(_Saturation, Config()),
         method=Induction(),
@@ -163,7 +163,8 @@ CLAIMS = (
     Claim(
         name="odometer.saturation-scaled",
         claim=(
-            f"{_CLAIM} (scaled, so that mutants meet the limits: period_bits = 5, count_bits = 8)."
+            f"{_CLAIM} (sensor 0; scaled, so that mutants meet the limits: period_bits = 5, "
+            "count_bits = 8)."
         ),
         requirements=("ODO-2", "ODO-6", "ODO-11", "ODO-12"),
         monitor=partial(_Saturation, SMALL),

@@ -109,7 +109,7 @@ CLAIMS = (
             "Position, direction, direction changes and illegal transitions of each snapshot are "
             "those of the pins' levels up to the strobe's tick: a quarter forward is + 1 and "
             "FORWARD, a quarter back is - 1 and REVERSE, two at once are illegal and NONE, a step "
-            "against the direction is a change of it (default configuration, modulo 2³²)."
+            "against the direction is a change of it (sensor 0; default configuration, modulo 2³²)."
         ),
         requirements=("ODO-5", "ODO-6"),
         monitor=_Steps,
@@ -150,7 +150,7 @@ CLAIMS = (
         claim=(
             "In each snapshot of a strobe from tick 3 on, position + 2 · illegal_transitions is, "
             "modulo 4, how many quarters forward of the levels at start level_a and level_b are; "
-            "before, all of them are 0 (default configuration)."
+            "before, all of them are 0 (sensor 0; default configuration)."
         ),
         requirements=("ODO-5", "ODO-6", "ODO-7"),
         monitor=_Agreement,

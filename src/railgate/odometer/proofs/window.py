@@ -214,7 +214,7 @@ CLAIMS = (
             "In each snapshot window_n is the number of rising edges of A since the window's "
             "boundary edge, at most window_pulses, and window_ticks the ticks from it to the last "
             "of them; reversals, illegal transitions, saturation and overflow void the window, "
-            "strobes move its boundary to its last edge (default configuration)."
+            "strobes move its boundary to its last edge (sensor 0; default configuration)."
         ),
         requirements=("ODO-10",),
         monitor=_Edges,
@@ -235,8 +235,8 @@ CLAIMS = (
         name="odometer.sums",
         claim=(
             "In each snapshot sum_a is the sum of the ticks t_k from the window's boundary edge to "
-            "each of its n edges, and sum_b the sum of sum_a as it was after each (default "
-            "configuration, modulo their widths, which n edges cannot fill)."
+            "each of its n edges, and sum_b the sum of sum_a as it was after each (sensor 0; "
+            "default configuration, modulo their widths, which n edges cannot fill)."
         ),
         requirements=("ODO-10",),
         monitor=_Sums,
@@ -254,7 +254,8 @@ CLAIMS = (
         claim=(
             "In each snapshot sum_b is the sum of (n + 1 - k) · t_k over k = 1 … n, so that "
             "6 · ((n + 2) · sum_a - 2 · sum_b) / (n · (n + 1) · (n + 2)) is the slope of the least "
-            "squares through t_k, k = 0 … n (scaled: window_pulses = 3, period_bits = 5)."
+            "squares through t_k, k = 0 … n (sensor 0; scaled: window_pulses = 3, "
+            "period_bits = 5)."
         ),
         requirements=("ODO-10",),
         monitor=_LeastSquares,
