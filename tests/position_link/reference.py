@@ -147,7 +147,7 @@ class Link:
         else:
             values["word"], values["status"] = config.invalid_word, Status.FAULT
             values["health"] = Health.RECOVERING if good else Health.ALARM
-            if self.last_good is None:
+            if self.last_good is None and self.faults < config.tolerated_cycles:
                 values["health"] = Health.START
         values["age"] = 0 if good else min(values["age"] + 1, (1 << config.age_bits) - 1)
         values["causes"] = self.causes

@@ -64,9 +64,10 @@ def test_faulty_cycles_that_are_not_in_a_row_do_not_add_up():
     ]
 
 
-def test_before_the_first_good_word_there_is_the_fault_word_and_no_alarm():
+def test_before_the_first_good_word_there_is_the_fault_word_and_the_alarm_comes_as_ever():
     assert supervised(small(), "bbbbg") == [
-        *[(FAULT, START, NO_WORD, NEVER)] * 4,
+        *[(FAULT, START, NO_WORD, NEVER)] * 2,
+        *[(FAULT, ALARM, NO_WORD, NEVER)] * 2,
         (FRESH, OK, 4, 0),
     ]
 
@@ -180,3 +181,21 @@ def test_whatever_uef_does_a_fresh_word_has_no_cause_and_every_cycle_its_deliver
         assert (one["status"] == FRESH) == (not one["causes"] and one["age"] == 0)
         assert (one["status"] == FAULT) == (one["word"] == 0xFF)
         assert (one["status"] == FAULT) == (one["health"] in (START, ALARM, RECOVERING))
+
+
+def test_a_reset_in_mid_word_forgets_the_cycles_before_it():
+    """Good, two faulty, then a reset while the next answer comes: all begins anew."""
+    config = small(tolerated_cycles=4, recovery_cycles=2)
+    tick = begin(config, 3) + config.rise(6) + 1
+    before = [answer(config, c, 0x40, 2) for c in (0, 1, 3)]
+    first = stimulus(config, before, tick + 1, reset=((tick, tick + 1),))
+    after = stimulus(config, [answer(config, c, 0x50 + c, 2) for c in (0, 1)], begin(config, 3))
+    engine, start = opened(config, "pysim")
+    engine.restore(start)
+    inputs = first.concatenate(after.shift(tick + 1))
+    shifted = engine.advance(inputs.end, inputs).slice(tick + 1, inputs.end).shift(-tick - 1)
+    assert [
+        (one["status"], one["health"], one["number"]) for one in deliveries(config, shifted)
+    ] == [(FAULT, RECOVERING, 1), (FRESH, OK, 2), (HELD, WARNING, 3)]
+    engine.restore(start)
+    assert shifted == engine.advance(after.end, after)

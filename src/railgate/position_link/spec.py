@@ -54,7 +54,7 @@ The link is *down* at start; `recovery_cycles` good cycles in a row bring it up,
 - up, good: status FRESH, the word received, health OK.
 - up, faulty: status HELD, the last good cycle's word, health WARNING.
 - down: status FAULT, the fault word; health RECOVERING after a good cycle, ALARM after a faulty
-  one, but START as long as there was no good cycle since reset.
+  one, but START as long as since reset there were only faulty ones, fewer than tolerated_cycles.
 
 `age` is 0 after a good cycle (down or up), else one more than before, up to its greatest value,
 which it has at start. `causes` are those of the cycle.

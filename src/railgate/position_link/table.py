@@ -148,7 +148,7 @@ def _figures(run: Run) -> list[tuple[str, str]]:
     if figures.alarms:
         alarms = f"{figures.alarms}, the longest {figures.longest_alarm_s * 1e3:g} ms"
     if figures.starting:
-        starting = f"; no good word yet at the first {figures.starting} deliveries"
+        starting = f"; {figures.starting} deliveries at the start without a good word yet"
     oldest = "none delivered"
     if figures.oldest_s is not None:
         oldest = f"{figures.oldest_s * 1e3:.3f} ms, from UEF's rise to the delivery"

@@ -2,9 +2,9 @@
 
 The filter of its inputs (inputs); then, from the pins on: counts (pulses), ticks (periods),
 position and direction (steps), the window and its sums (window), what is full (saturation); and how
-all of it comes to the ports (snapshots, flags); all of sensor 0, as which each other one is
-(sensors). What these share of the contract, of pins, steps
-and strobes, is written once more without the gateware (contract).
+all of it comes to the ports (snapshots, flags). All that is of sensor 0, and each other one is as
+it would be alone (sensors). What these share of the contract, of pins, steps and strobes, is
+written once more without the gateware (contract).
 """
 
 from railgate.odometer.proofs import (

@@ -6,12 +6,15 @@ from amaranth.hdl import C, Cat, Module, Mux, Signal
 
 from railgate.odometer.proofs.contract import Observed
 from railgate.odometer.spec import Config, Flag
-from railgate.proving import Claim, Induction, Mutant, Search
+from railgate.proving import Claim, Induction, Mutant, Run, Search
 
 __all__ = ["CLAIMS"]
 
-TWO_READS = 40
-"""Ticks from reset within which two successive snapshots can be told."""
+READ = Search(24)
+"""Ticks from reset within which an event can be told."""
+
+MANY_READS = Run(5_000)
+"""Random events and strobes."""
 
 
 class _Flags(Observed):
@@ -50,8 +53,10 @@ class _Flags(Observed):
         return m
 
 
-def _mutant(name: str, old: str, new: str, file: str = "sensor") -> Mutant:
-    return Mutant(name, f"railgate.odometer.gateware.{file}", old, new, Search(TWO_READS))
+def _mutant(
+    name: str, old: str, new: str, rejected: Run | Search = READ, file: str = "sensor"
+) -> Mutant:
+    return Mutant(name, f"railgate.odometer.gateware.{file}", old, new, rejected)
 
 
 CLAIMS = (
@@ -61,27 +66,30 @@ CLAIMS = (
             "Whatever the alignment of events and strobes, the flags of a snapshot are those of "
             "the events after the strobe before, up to and with this strobe's tick: each event is "
             "told by exactly one snapshot; REVERSAL and ILLEGAL are those of the pins, GLITCH "
-            "never comes, the other events are taken as the sensor finds them (default "
+            "never comes, the other events are taken as the sensor finds them (sensor 0; default "
             "configuration, so that filter_ticks = 0)."
         ),
         requirements=("ODO-7", "ODO-12"),
         monitor=_Flags,
         method=Induction(),
-        cover=Search(TWO_READS),
+        cover=READ,
         mutants=(
             _mutant(
                 "strobe-wins-over-event",
                 "Mux(self.latch, 0, self.flags) | happened",
                 "Mux(self.latch, 0, self.flags | happened)",
+                MANY_READS,
             ),
             _mutant("not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"),
-            _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags"),
+            _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags", MANY_READS),
             _mutant(
                 "other-flag",
                 "events[Flag.REVERSAL] = steps.reversal",
                 "events[Flag.REVERSAL] = steps.illegal",
             ),
-            _mutant("reads-while-busy", "self.strobe & ~self.busy", "self.strobe", "odometer"),
+            _mutant(
+                "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", READ, "odometer"
+            ),
         ),
     ),
 )

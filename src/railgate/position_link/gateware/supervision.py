@@ -50,6 +50,8 @@ class Supervision(wiring.Component):
         with m.If(self.publish):
             m.d.sync += run.eq(Mux(against & ~turns, run + 1, 0))
 
+        # In START all deliveries so far were of faulty cycles.
+        first_turn = self.number == config.tolerated_cycles - 1
         with m.If(self.publish & ~up_next):
             m.d.sync += [
                 self.status.eq(Status.FAULT),
@@ -57,7 +59,7 @@ class Supervision(wiring.Component):
             ]
             with m.If(self.good):
                 m.d.sync += self.health.eq(Health.RECOVERING)
-            with m.Elif(self.health != Health.START):
+            with m.Elif((self.health != Health.START) | first_turn):
                 m.d.sync += self.health.eq(Health.ALARM)
         with m.Elif(self.publish & self.good):
             m.d.sync += [

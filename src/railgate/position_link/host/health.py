@@ -19,7 +19,7 @@ class Summary:
     """A run in figures.
 
     fresh, held: deliveries of that status, with a word to believe; fault: all others; starting:
-    those before the first good cycle. lost: deliveries missing by their numbers. restarts: resets
+    those of health START. lost: deliveries missing by their numbers. restarts: resets
     on the way. inconsistent: see `Deliveries`; nothing of these is used. faulty_cycles, causes:
     cycles faulty, and by each cause, in lower case, lost deliveries' too. alarms: stretches of
     ALARM and RECOVERING, but for those without any ALARM, such as after START; longest_alarm_s:

@@ -97,7 +97,8 @@ def judge(
         if link.up:
             row[STATUS], row[HEALTH] = (HELD, WARNING) if bad else (FRESH, OK)
         else:
-            down = ALARM if link.ever_good else START
+            dead = link.ever_good or link.faulty == limit.tolerated_cycles
+            down = ALARM if dead else START
             row[STATUS], row[HEALTH] = FAULT, down if bad else RECOVERING
         row[WORD:] = (good_word if link.up else fault_word).view(np.int64)
         since = begins[i] + limit.delivery_ticks - link.rise

@@ -90,17 +90,20 @@ class _Held(Supervised):
 
 
 class _Health(Supervised):
-    """Warning at the first faulty cycle, alarm with the fault word."""
+    """Warning at the first faulty cycle, alarm with the fault word, but for the very first ones."""
+
+    def __init__(self, config: Config) -> None:
+        super().__init__(config, ("start",))
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.link(m)
         up = Mux(self.good, Health.OK, Health.WARNING)
         down = Mux(self.good, Health.RECOVERING, Health.ALARM)
+        starts = ~self.ever_good & (self.faulty_run < self.config.tolerated_cycles)
         m.d.comb += [
-            self.holds.eq(
-                inner["health"] == Mux(self.down, Mux(self.ever_good, down, Health.START), up)
-            ),
+            self.lemma.start.eq(~starts | (inner["number"] == self.faulty_run)),
+            self.holds.eq(inner["health"] == Mux(self.down, Mux(starts, Health.START, down), up)),
             self.reached.eq(inner["health"] == Health.ALARM),
         ]
         return m
@@ -262,7 +265,8 @@ CLAIMS = (
         claim=(
             "For ever, the health is WARNING with the first faulty cycle while the link is up, "
             "ALARM with every one while it is down, RECOVERING with good ones there, OK with good "
-            "ones while it is up, and START as long as there was no good cycle since reset "
+            "ones while it is up, and START as long as since reset there were only faulty ones, "
+            "fewer than tolerated_cycles "
             "(default configuration, but tolerated_cycles = 2, recovery_cycles = 3)."
         ),
         requirements=("LNK-5", "LNK-7"),
@@ -273,9 +277,16 @@ CLAIMS = (
             mutant(
                 "alarm-at-start",
                 "supervision",
-                "with m.Elif(self.health != Health.START):",
+                "with m.Elif((self.health != Health.START) | first_turn):",
                 "with m.Else():",
                 run(CAUTIOUS, NOTHING),
+            ),
+            mutant(
+                "dead-without-alarm",
+                "supervision",
+                "(self.health != Health.START) | first_turn",
+                "self.health != Health.START",
+                run(CAUTIOUS, NOTHING, NOTHING, NOTHING),
             ),
             mutant(
                 "alarm-stays",
