@@ -41,10 +41,14 @@ TIME = re.compile(
         | \$comment\s (?s:.*?) \$end (?=\s)
         | \#(?!-?[0-9]++\s) \S*+ (?=\s)
         | (?!\$comment\s) [^\s\#bBrRsS]\S*+ (?=\s)
-    )*+ (?: \#(-?[0-9]++) (?=\s) )?+""",
+    )* (?: \#(-?[0-9]++) (?=\s) )?""",
     re.VERBOSE,
 )
-"""All whole items up to a time stamp, and it; without one, all there are."""
+"""All whole items up to a time stamp, and it; without one, all there are.
+
+It never tracks back, since its end is optional. Only single characters are possessive: with a
+group that itself tracks back Python before 3.11.5 can miss a match (CPython issue 106052).
+"""
 NOTE = re.compile(TICK_NOTE.format(r"([0-9]{1,40}(?:/[0-9]{1,40})?)").encode())
 
 
