@@ -82,6 +82,7 @@ from enum import IntEnum, IntFlag
 from fractions import Fraction
 
 from railgate.bounds import require
+from railgate.field import Field
 
 __all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag"]
 
@@ -109,17 +110,6 @@ class Flag(IntFlag):
     WINDOW_VOID = 1 << 9
     WINDOW_OVERFLOW = 1 << 10
     STAMP_OVERFLOW = 1 << 11
-
-
-@dataclass(frozen=True)
-class Field:
-    """One field of a snapshot or of a stamp: its name, width in bits, sign, unit and meaning."""
-
-    name: str
-    width: int
-    meaning: str
-    unit: str = ""
-    signed: bool = False
 
 
 STAMP = (

@@ -83,6 +83,8 @@ from functools import cache
 from math import ceil, floor
 
 from railgate.bounds import require
+from railgate.check import Check
+from railgate.field import Field
 
 __all__ = [
     "CRC16",
@@ -143,46 +145,6 @@ class Cause(IntFlag):
 def cause_names(raised: int = ~0) -> tuple[str, ...]:
     """The names of these causes, by default of all, in their order and in lower case."""
     return tuple(cause.name.lower() for cause in Cause if cause.name and raised & cause)
-
-
-@dataclass(frozen=True)
-class Field:
-    """One field of a delivery or of a frame: its name, width in bits, unit, meaning, and what it
-    holds before the first delivery."""
-
-    name: str
-    width: int
-    meaning: str
-    unit: str = ""
-    start: int = 0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Check:
-    """A parity or CRC field in the last `width` bits of a word, over all bits before (LNK-7).
-
-    The register starts as `initial`; each bit, the most significant first, shifts it left and, if
-    the bit shifted out differs from the bit, adds `polynomial` (without its leading term); at the
-    end it is the field, xor `final`. A parity is the CRC of one bit. Raises ValueError.
-    """
-
-    width: int
-    polynomial: int
-    initial: int = 0
-    final: int = 0
-
-    def __post_init__(self) -> None:
-        require(self, ("width", 1, 64))
-        top = (1 << self.width) - 1
-        require(self, ("polynomial", 1, top), ("initial", 0, top), ("final", 0, top))
-
-    def of(self, bits: int, count: int) -> int:
-        """The field that belongs to the `count` bits of the number `bits`."""
-        register, top = self.initial, 1 << (self.width - 1)
-        for at in reversed(range(count)):
-            out = bool(register & top) != bool(bits >> at & 1)
-            register = (register << 1) & (2 * top - 1) ^ (self.polynomial if out else 0)
-        return register ^ self.final
 
 
 EVEN = Check(width=1, polynomial=1)
@@ -371,12 +333,11 @@ class Config:
                 "word",
                 self.word_bits,
                 "the last good word or the fault word",
-                "",
-                self.invalid_word,
+                start=self.invalid_word,
             ),
             Field("status", 2, "what the word is, see Status"),
-            Field("age", self.age_bits, "cycles since the last good one", "cycles", never),
-            Field("age_ticks", self.age_ticks_bits, "since UEF rose for it", "ticks", old),
+            Field("age", self.age_bits, "cycles since the last good one", "cycles", start=never),
+            Field("age_ticks", self.age_ticks_bits, "since UEF rose for it", "ticks", start=old),
             Field("health", 3, "of the link, see Health"),
             Field("causes", len(Cause), "of this cycle, see Cause"),
             Field("faulty_cycles", self.count_bits, "modulo its width", "cycles"),
