@@ -82,10 +82,10 @@ window grows by step. `peer_ok`[k]: linked[k] and not drifting[k]. peer_code[i]:
 peer_ok, else OFF.
 
 **Forwarded frame (DRV-6).** A message taken in tick R with `carries`, whose sequence is not
-`seen`, or with which, or before which, there has been none since reset or since the last boot (a
-boot of this tick R too): seen becomes its sequence, and the frame made of its sequence, image, acknowledge and frame_crc is checked for the peer's board with late =
-margin_ticks + latency_ticks, begun in R with R's time. In tick R + check_ticks: good: it is
-*peer-accepted*; else FORWARD.
+`seen`, or before which nothing has been seen since reset or since the last boot (a boot of this
+tick R too): seen becomes its sequence, and the frame made of its sequence, image, acknowledge and
+frame_crc is checked for the peer's board, with late = margin_ticks + latency_ticks, begun in R with
+R's time. In tick R + check_ticks: good: it is *peer-accepted*; else FORWARD.
 
 **Vote (DRV-6).** own and `forwarded` are slots, `own_there` and `forwarded_there` whether they wait
 for a vote. In tick k, in this order, each as if the one before had been done:
@@ -161,8 +161,8 @@ this alarm in k, else 0.
 
 **Hardening.** States are held in codes at a distance of at least 3, counters that bound a danger
 (life, remaining, elapsed, errors) and the image twice, once inverted. UPSET: a code that is none,
-or two that differ: the output's state becomes FEEDBACK_ALARM, of the shared ones life and image become
-0, in the next tick, and while it lasts no pulse is made. A model has no upsets.
+or two that differ: the output's state becomes FEEDBACK_ALARM, of the shared ones life and image
+become 0, in the next tick, and while it lasts no pulse is made. A model has no upsets.
 """
 
 from railgate.vital_output.spec.config import Config
