@@ -7,16 +7,16 @@ of what answers within ticks; both sides are written from it.
 contract below is one of that domain, counted as in railgate.vital_output.spec.
 
 **Relay (DRV-13).** Of each output. Stage c = 1, 2 is fed with FPGA c's pulse; while `rogue_c` is 1,
-with a train of its own instead, 1 in the ticks k with k mod period < ⌊period / 2⌋, period being that
-of the pulse train in relay ticks, rounded: so a faulty FPGA would pulse for ever. What it is fed
-with passes two flip-flops (which start at 0); a rise is in the tick in which the second one is
+with a train of its own instead, 1 in the ticks k with k mod period < ⌊period / 2⌋, period being
+that of the pulse train in relay ticks, rounded: so a faulty FPGA would pulse for ever. What it is
+fed with passes two flip-flops (which start at 0); a rise is in the tick in which the second one is
 new. `since` starts at high + 1, becomes 1 after the tick of a rise, else grows by 1 up to high + 1.
 `alive` becomes 1 after a rise with low ≤ since ≤ high, 0 after any other rise and after a tick
 without one in which since ≥ high; low and high are period · (1 ∓ pulse_tolerance), rounded inwards.
 The coil is on while both stages are alive and `broken` is 0. `moving` starts at 0; in a tick in
-which the contact is open and the coil is on, or it is closed and the coil is off: if moving ≥ t - 1,
-the contact changes and moving becomes 0, else moving grows by 1; in any other tick it becomes 0. t
-is pick-up or release in relay ticks; while `welded` is 1, a closed contact does not open (moving
+which the contact is open and the coil is on, or it is closed and the coil is off: if moving ≥ t -
+1, the contact changes and moving becomes 0, else moving grows by 1; in any other tick it becomes 0.
+t is pick-up or release in relay ticks; while `welded` is 1, a closed contact does not open (moving
 grows no further than t - 1).
 
 **Feedback.** No tick passes. Pulse feedback of FPGA c: its pulse, 0 while `open_c`, 1 while

@@ -187,10 +187,14 @@ class Config:
                 f"drift_limit_ppm must lie above both clocks' tolerance over window_messages, "
                 f"at least {ppm}, not {self.drift_limit_ppm}"
             )
-        if self.message_ticks * self.drift_ppm * PPM > Fraction(self.bit_ticks, 4) - 1:
+        room = (
+            self.bit_ticks - self.bit_ticks // 2 - 1
+        )
+        if 2 * self.message_ticks * self.drift_ppm * PPM > room:
             raise ValueError(
-                f"a message of {self.layout.message_bits} bits must be read within a quarter of a "
-                f"bit at {self.drift_ppm} ppm, not with bit_ticks {self.bit_ticks}"
+                f"a message of {self.layout.message_bits} bits must be read within half of the "
+                f"{room} ticks around a sample at {self.drift_ppm} ppm, not with bit_ticks "
+                f"{self.bit_ticks}"
             )
 
     def _require_drive(self) -> None:
