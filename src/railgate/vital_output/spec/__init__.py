@@ -49,8 +49,8 @@ sequence number; it is *accepted* if `referenced` and step = 1, or referenced, l
 INSERTION. Accepted, or good with life = 0: reference becomes its sequence number, referenced 1.
 Accepted: step - 1 frames are lost. The frame becomes `own` (sequence, image, acknowledge, crc,
 index of the check), `carries` 1. In the tick in which life becomes 0 referenced becomes 0 (in the
-same tick k as a verdict: the verdict's change is the later one, it wins). All verdicts but good
-and START, and REPETITION, RESEQUENCE, INSERTION, are *rejections*.
+same tick k as a verdict: the verdict's change is the later one, it wins). FORMAT to
+INSERTION, but not TIME, which tells nothing of the frame, are *rejections*.
 
 **Cross-link, sending (DRV-6).** Message m = 0, 1, … begins in tick S = 8 + m · link_period_ticks:
 `link_tx` is 0 for bit_ticks, then each of its bits, the most significant one first, for bit_ticks,
@@ -145,7 +145,7 @@ nothing wrong stay.
   elapsed ≥ not_yet_driving_ticks: HANDSHAKE_ALARM. elapsed ≥ pulse_grace_ticks and not frequency:
   FEEDBACK_ALARM. elapsed ≥ pick_up_ticks and contact 0: FEEDBACK_ALARM.
 - WAIT: left, cmd and elapsed ≥ skew_ticks: HANDSHAKE_ALARM. not fb, and not (left and cmd): IDLE.
-  fb and elapsed ≥ release_ticks: FEEDBACK_ALARM.
+  fb and elapsed ≥ release_ticks: FEEDBACK_ALARM. In a tick without cmd left becomes 0.
 - TEST: contact 1: FEEDBACK_ALARM. elapsed ≥ test_ticks - 1: WAIT, left 0, if frequency, else
   FEEDBACK_ALARM.
 - HANDSHAKE_ALARM: not cmd and not fb: IDLE.

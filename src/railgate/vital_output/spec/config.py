@@ -8,16 +8,12 @@ from functools import cached_property
 from hashlib import sha256
 from math import ceil, floor
 
-from railgate.bounds import require
-from railgate.check import Check
 from railgate.field import Field
-from railgate.vital_output.spec.frame import CRC_BITS, Layout, mask
+from railgate.vital_output.spec.frame import Layout, mask
 from railgate.vital_output.spec.states import status_fields
+from railgate.vital_output.spec.validation import MILLI, PPM, validate
 
 __all__ = ["Config"]
-
-MILLI = Fraction(1, 1000)
-PPM = Fraction(1, 1_000_000)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,143 +73,7 @@ class Config:
     """Room around the runs of a frame's check."""
 
     def __post_init__(self) -> None:
-        require(
-            self,
-            ("clock_hz", 10_000, 10**9),
-            ("tolerance_ppm", 0, 1_000),
-            ("outputs", 1, 64),
-            ("polynomial", 1, (1 << 32) - 1),
-            ("cycle_s", MILLI / 10, 10),
-            ("margin_s", 0, self.cycle_s / 4),
-            ("slew_ticks", 0, self.cycle_ticks // 8),
-            ("holdover_cycles", 1, 60_000),
-            ("delay_cycles", 1, 8),
-            ("life_cycles", 1, 15),
-            ("bit_ticks", 4, 1_000),
-            ("link_filter_ticks", 0, self.bit_ticks // 4),
-            ("line_ticks", 0, 100_000),
-            ("spare_messages", 0, 8),
-            ("lost_messages", self.spare_messages + 1, 15),
-            ("window_messages", 16, 1 << 16),
-            ("pulse_hz", 1, Fraction(self.clock_hz, 16)),
-            ("pulse_tolerance", Fraction(1, 100), Fraction(1, 3)),
-            ("feedback_filter_ticks", 0, self.period_ticks // 4),
-            ("contact_filter_ticks", 0, 65_535),
-            ("count_bits", 4, 48),
-        )
-        self._require_identities()
-        self._require_time()
-        self._require_link()
-        self._require_drive()
-
-    def _require_identities(self) -> None:
-        if not self.polynomial & 1:
-            raise ValueError(f"polynomial must be odd, not {self.polynomial:#x}")
-        if self.boards[0] == self.boards[1]:
-            raise ValueError(f"boards must differ, not both be {self.boards[0]:#x}")
-        for board in self.boards:
-            if not 0 <= board < 1 << 32:
-                raise ValueError(f"boards must be between 0 and {(1 << 32) - 1}, not {board}")
-        for board, masks in zip(self.boards, self.masks, strict=True):
-            if hit := set(self.boards) & set(masks):
-                raise ValueError(
-                    f"boards must not be a mask of {board:#x}, not {min(hit):#x}: choose another ID"
-                )
-        # A frame for one board is none for the other at a time near by: that would need this
-        # difference of their times, since a CRC is linear.
-        linear = Check(width=CRC_BITS, polynomial=self.polynomial)
-        apart = linear.of(self.boards[0] ^ self.boards[1], CRC_BITS)
-        starts = [((1 << ones) - 1) << 4 | low for ones in range(29) for low in range(16)]
-        if any(
-            time ^ time + later == apart
-            for time in starts
-            for later in range(self.delay_cycles + 2)
-        ):
-            raise ValueError(
-                f"boards must not be told apart by a time near by, not {self.boards[0]:#x} and "
-                f"{self.boards[1]:#x}: choose others"
-            )
-
-    def _require_time(self) -> None:
-        if self.cycle_s * self.clock_hz != self.cycle_ticks:
-            raise ValueError(
-                "cycle_s must be a whole number of ticks, "
-                f"not {float(self.cycle_s * self.clock_hz)}"
-            )
-        drift = ceil(self.cycle_ticks * self.drift_ppm * PPM)
-        if self.slew_ticks < drift:
-            raise ValueError(
-                f"slew_ticks must be at least the clocks' drift in a cycle, {drift}, "
-                f"not {self.slew_ticks}"
-            )
-        astray = self.holdover_cycles * self.cycle_ticks * self.tolerance_ppm * PPM
-        if 2 * astray > self.margin_ticks:
-            most = floor(self.margin_ticks / (2 * self.cycle_ticks * self.tolerance_ppm * PPM))
-            raise ValueError(
-                f"holdover_cycles must keep the drift below half the margin, at most {most}, "
-                f"not {self.holdover_cycles}"
-            )
-        if self.decision_ticks >= self.cycle_ticks - self.slew_ticks - self.margin_ticks:
-            latest = self.cycle_ticks - self.slew_ticks - self.margin_ticks - 1
-            raise ValueError(
-                f"the decision instant, margin + tau0 + latency, must lie in its cycle, at tick "
-                f"{latest} at the latest, not {self.decision_ticks}"
-            )
-
-    def _require_link(self) -> None:
-        if self.tau0_ticks <= 2 * self.latency_ticks + self.drift_in(self.tau0_ticks):
-            least = 2 * self.latency_ticks + self.drift_in(self.tau0_ticks) + 1
-            raise ValueError(
-                f"tau0_s must be above twice the link's latency, at least {least} ticks, "
-                f"not {self.tau0_ticks}"
-            )
-        if not self.tau1_least_ticks <= self.tau1_ticks:
-            raise ValueError(
-                f"tau1_s must cover leaving and deciding, at least {self.tau1_least_ticks} ticks, "
-                f"not {self.tau1_ticks}"
-            )
-        within = (
-            ceil(
-                (self.window_messages + self.lost_messages)
-                * self.link_period_ticks
-                * self.drift_ppm
-                * PPM
-            )
-            + 4
-        )
-        if self.drift_limit_ticks < within:
-            ppm = ceil(within / (self.window_messages * self.link_period_ticks * PPM))
-            raise ValueError(
-                f"drift_limit_ppm must lie above both clocks' tolerance over window_messages, "
-                f"at least {ppm}, not {self.drift_limit_ppm}"
-            )
-        room = (
-            self.bit_ticks - self.bit_ticks // 2 - 1
-        )
-        if 2 * self.message_ticks * self.drift_ppm * PPM > room:
-            raise ValueError(
-                f"a message of {self.layout.message_bits} bits must be read within half of the "
-                f"{room} ticks around a sample at {self.drift_ppm} ppm, not with bit_ticks "
-                f"{self.bit_ticks}"
-            )
-
-    def _require_drive(self) -> None:
-        least = Fraction(2 * self.latency_ticks + self.contact_filter_ticks, self.clock_hz)
-        if not least <= self.release_min_s <= self.release_s:
-            raise ValueError(
-                f"release_min_s must be between {float(least):g} s, so that the peer's stop is "
-                f"known before the contact opens, and release_s, not {float(self.release_min_s):g}"
-            )
-        for name in ("pick_up_s", "release_s"):
-            if not 0 < getattr(self, name) <= 10:
-                raise ValueError(
-                    f"{name} must be above 0 and at most 10 s, not {float(getattr(self, name)):g}"
-                )
-        interval = self.error_interval_s
-        if interval is not None and not self.cycle_s <= interval <= 86_400:
-            raise ValueError(
-                f"error_interval_s must be between one cycle and 86400 s, not {float(interval):g}"
-            )
+        validate(self)
 
     def ticks(self, seconds: Fraction) -> int:
         """The least whole number of ticks that last so long."""
