@@ -1,7 +1,9 @@
 """Gateware that every function shares."""
 
 from railgate.primitives.divider import FractionalDivider
+from railgate.primitives.hardened import SparseState, Twin
 from railgate.primitives.inputs import FilteredInput
+from railgate.primitives.receiver import SerialReceiver
 from railgate.primitives.serial import SerialCheck, SerialTransmitter
 from railgate.primitives.timer import OneShot
 
@@ -10,5 +12,8 @@ __all__ = [
     "FractionalDivider",
     "OneShot",
     "SerialCheck",
+    "SerialReceiver",
     "SerialTransmitter",
+    "SparseState",
+    "Twin",
 ]

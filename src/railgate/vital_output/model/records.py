@@ -1,0 +1,145 @@
+"""What the vital output's model remembers, as one record.
+
+Everything is int64: numbers of 32 bits are kept below 2³², masks of 64 outputs wrap into the sign,
+which keeps their bits. Ticks of a domain are counted through all of its resets, so that they only
+grow; `origin` is the tick 0 of the contract. What does not happen is in tick FAR or NONE.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from railgate.vital_output.model.clocks import CLOCK
+from railgate.vital_output.spec import CAUSES
+
+__all__ = ["COUNTERS", "FAR", "INPUTS", "MESSAGE", "NONE", "OUTPUTS", "SIGNALS", "STATE"]
+
+FAR = 1 << 62
+"""Later than every tick."""
+NONE = -FAR
+"""Before every tick."""
+
+OUTPUTS = 64
+"""As many as there can be."""
+BITS = 512
+"""More than the longest message has."""
+IN_FLIGHT = 8
+"""More changes of one pin than can be on their way through synchroniser and filter."""
+
+INPUTS = (
+    *("command.payload", "command.valid", "time.index", "time.phase", "time.valid", "boot", "test"),
+    *("link_rx", "pulse_feedback", "contact"),
+    *("rst", "stopped", "flip", "low", "high", "open", "stuck", "contact_open", "contact_stuck"),
+    *("welded", "broken", "rogue_1", "rogue_2"),
+)
+"""What a domain is told from outside: a channel, one that has no loop, one that has, the relays."""
+
+COUNTERS = ("accepted", "start", "lost", "passed", "stored", *(c.name.lower() for c in CAUSES))
+SIGNALS = (
+    *("command.ready", "link_tx", "pulses", "index", "trusted", "sequence", "life", "image"),
+    *("acknowledge", "states.0", "states.1", "states.2", "blocked", "test_phase", "linked"),
+    *("drifting", "latched", "first_cause", "first_output"),
+    *(f"{name}_count" for name in COUNTERS),
+)
+"""What a channel shows, in this order; `states` in as many parts as it needs."""
+
+Part = tuple[str, Any] | tuple[str, Any, int]
+
+
+def record(names: str, *parts: Part) -> np.dtype[Any]:
+    """A record of numbers, then of parts: each a name, a type, and of several their number."""
+    return np.dtype([(name, np.int64) for name in names.split()] + list(parts))
+
+
+FRAME = record("sequence image acknowledge crc index")
+"""A command frame, and the index with which it is good."""
+
+MESSAGE = record("number boot test low high carries passed", ("frame", FRAME))
+"""A message of the cross-link; low and high: bit 0 and bit 1 of each output's code."""
+
+REGISTERS = record(
+    "zero index pending consistent holdover seated "
+    "referenced reference verdict_tick verdict carries passed open own_there forwarded_there "
+    "expires number numbered linked ever_linked taken offset_zero window drifting has_seen seen "
+    "forward_tick forward_verdict image acknowledge stored_index life errors latched blocked "
+    "test_phase first_cause first_output",
+    *((name, FRAME) for name in ("checked", "own", "forward", "forwarded")),
+    ("peer", MESSAGE),
+)
+"""The registers that a channel's parts share. zero: the tick in which phase is 0, or would have
+been; offset_zero: likewise of offset. verdict_tick, forward_tick: those in which the verdicts on
+`checked` and `forward` are told. expires: in which remaining is 1. taken: of the last message."""
+
+PIN = record("level rise right count", ("ticks", np.int64, IN_FLIGHT))
+"""A level behind a synchroniser, and the ticks in which it will change; the tick of its last rise,
+and whether that was as long after the one before as a train's."""
+
+OUTPUT = record("state entered left since until toggle regular steady")
+"""One output. entered: the first tick of its state. It drives in since ≤ tick < until; in the tick
+`toggle` its pulse changes next. regular: rises in a row that nothing has disturbed; steady: the
+train needs no attention until something disturbs it."""
+
+SENDER = record("number bit next", ("bits", np.int8, BITS))
+"""A message that goes out: its number, its next bit that differs from the one before, the tick
+after which that begins."""
+
+CHANNEL = record(
+    "board base closed origin time due drive_due latch toggle causes boot "
+    "begun twice bytes sends receiving begins got arrival "
+    "drawn restful pulses feedback_pin contact_pin link_pin line contact ceased leapable readable",
+    ("now", REGISTERS),
+    ("was", REGISTERS),
+    ("incoming", MESSAGE),
+    ("outputs", OUTPUT, OUTPUTS),
+    ("feedback_pins", PIN, OUTPUTS),
+    ("contact_pins", PIN, OUTPUTS),
+    ("link", PIN),
+    ("senders", SENDER, 2),
+    ("buffer", np.int64, 24),
+    ("received", np.int8, BITS),
+    ("counts", np.int64, len(COUNTERS)),
+    ("shown", np.int64, len(SIGNALS)),
+    ("wanted", np.int64, len(SIGNALS)),
+)
+"""One channel.
+
+now: its registers; was: as they were in the tick that is under way. base: where its signals begin
+in the log. time: of the edge that ends this tick. due, drive_due, latch, toggle: the next ticks in
+which anything, an output, a message's fields, a pulse may change. causes: bit c of those of this
+tick. begun, twice, bytes, buffer: of the frame that is coming in. sends: messages begun. receiving,
+begins, got, received: of the message that is coming in bit by bit; arrival: the tick in which
+`incoming` is there as a whole. feedback_pin, contact_pin, link_pin: levels at the pins; line,
+contact: of the wire and the relays, before what disturbs them. drawn: pulses are followed edge by
+edge; restful: but for steady ones. ceased: steady trains that end. leapable: the relays always find
+a steady train alive; readable: the peer always reads an undisturbed message. senders: for link_tx,
+and for the line.
+"""
+
+DOMAIN = record(
+    "cursor event time skipped frozen resetting done",
+    ("held", np.int64, len(INPUTS)),
+)
+"""A clock domain: the next change of its inputs; its next clock edge that matters, and when that
+is; edges that were stopped; the edge from which on they are, or NONE; the last tick done."""
+
+RELAYS = record(
+    "due origin period low high pick_up release contact",
+    ("fed", np.int64, 2),
+    ("still", np.int64, 2),
+    ("apart", np.int64, OUTPUTS),
+    ("stages", PIN, (2, OUTPUTS)),
+)
+"""The relays. fed: what each stage is fed with; still: the outputs whose trains are steady there.
+apart: the first tick of those in which coil and contact have been different."""
+
+STATE = record(
+    "fresh loop calm shown wanted",
+    ("clocks", CLOCK, 3),
+    ("domains", DOMAIN, 3),
+    ("channels", CHANNEL, 2),
+    ("relays", RELAYS),
+)
+"""All of a run. fresh: a piece begins. loop: whether there is the other channel and the relays.
+calm: the next of the changes that disturb the lines. shown, wanted: of the relays' contacts."""

@@ -1,0 +1,87 @@
+"""The ticks of a clock's domain on the time base of several clocks, femtoseconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import ceil, lcm
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from railgate.engines import Clock
+from railgate.waves import Waveform
+from railgate.waves.waveform import Ticks
+
+__all__ = ["FEMTOSECOND", "MICROSECOND", "Edges", "femtoseconds"]
+
+FEMTOSECOND = Fraction(1, 10**15)
+"""Seconds."""
+
+MICROSECOND = 10**9
+"""Femtoseconds."""
+
+
+def femtoseconds(seconds: Fraction) -> int:
+    """The first whole femtosecond not before this time."""
+    return ceil(seconds / FEMTOSECOND)
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Tick n of the clock's domain lasts from its edge n - 1 to its edge n, tick 0 from the start.
+
+    Edges are where railgate.engines.Design has them; all is exact.
+    """
+
+    clock: Clock
+
+    @cached_property
+    def _scale(self) -> tuple[int, int, int]:
+        """Edge n is in femtosecond ⌈(first + n · step) / unit⌉."""
+        step = self.clock.period / FEMTOSECOND
+        first = (1 + Fraction(self.clock.phase)) * step
+        unit = lcm(step.denominator, first.denominator)
+        return int(first * unit), int(step * unit), unit
+
+    def begin(self, ticks: ArrayLike) -> Ticks:
+        """The femtosecond with which each of these ticks begins."""
+        first, step, unit = self._scale
+        n = np.asarray(ticks, dtype=np.int64)
+        exact = -(-(first + (n.astype(object) - 1) * step) // unit)
+        begun: Ticks = np.where(n > 0, exact, 0).astype(np.int64)
+        return begun
+
+    def during(self, times: ArrayLike) -> Ticks:
+        """The tick in which each of these femtoseconds lies."""
+        first, step, unit = self._scale
+        exact = np.asarray(times, dtype=np.int64).astype(object) * unit
+        ticks: Ticks = np.maximum((exact - first) // step + 1, 0).astype(np.int64)
+        return ticks
+
+    def first(self, times: ArrayLike) -> Ticks:
+        """The first tick that begins not before each of these femtoseconds."""
+        ticks = self.during(times)
+        return ticks + (self.begin(ticks) < np.asarray(times, dtype=np.int64))
+
+    def count(self, end: int) -> int:
+        """How many ticks have begun before the femtosecond `end`, which is above 0."""
+        return 1 + int(self.during(end - 1))
+
+    def time_s(self, tick: int) -> Fraction:
+        """When the edge is with which tick `tick` begins, exact; of tick 0 as if there were one."""
+        return (tick + Fraction(self.clock.phase)) * self.clock.period
+
+    def wave(self, ticks: ArrayLike, values: ArrayLike, width: int, end: int) -> Waveform:
+        """A signal that changes with the beginning of these ticks, in femtoseconds below `end`.
+
+        ticks: in order, from 0 on; of equal ones the last counts.
+        """
+        times = self.begin(ticks)
+        seen = times < end
+        return Waveform.of(times[seen], np.asarray(values)[seen], width)
+
+    def sampled(self, wave: Waveform) -> Waveform:
+        """What an edge of the clock finds at the end of each tick, in ticks."""
+        return Waveform.of(self.during(wave.ticks), wave.values, wave.width)
