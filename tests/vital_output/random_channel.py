@@ -40,6 +40,9 @@ class Script:
     def goes_wrong(self) -> bool:
         return bool(self.random.random() < self.odds)
 
+    def jumps(self) -> bool:
+        return self.goes_wrong() and bool(self.random.random() < 0.3)
+
     def network(self, tick: int) -> tuple[int, int]:
         """Index and phase of the network's time in a tick."""
         index, phase = divmod(tick + self.offset, self.config.cycle_ticks)
@@ -54,7 +57,7 @@ class Script:
         mask = (1 << self.config.outputs) - 1
         image = acknowledge = 0
         for cycle in range(self.cycles):
-            if cycle > 3 and self.random.random() < 0.3:
+            if cycle > 2 and self.random.random() < 0.4:
                 image = int(self.random.integers(mask + 1))
             if self.random.random() < 0.2:
                 acknowledge = int(self.random.integers(mask + 1))
@@ -74,7 +77,7 @@ class Script:
 def inputs_of(config: Config, board: int, cycles: int, seed: int) -> Trace:
     """All inputs of a channel but its feedback."""
     random = np.random.default_rng(seed)
-    script = Script(config, board, cycles, float(random.choice([0.0, 0.03, 0.3])), random)
+    script = Script(config, board, cycles, float(random.choice([0.0, 0.02, 0.1, 0.3])), random)
     sends = script.sends()
     signals = {
         **_command(script, sends),
@@ -178,8 +181,8 @@ def _time(script: Script) -> dict[str, Waveform]:
         index, phase = script.network(at)
         off += int(random.integers(-3, 4))
         far = int(random.integers(-3 * config.cycle_ticks, 3 * config.cycle_ticks))
-        index, phase = script.network(at + off + (far if script.goes_wrong() else 0))
-        if script.goes_wrong():
+        index, phase = script.network(at + off + (far if script.jumps() else 0))
+        if script.jumps():
             phase = min(config.cycle_ticks + 1, (1 << width) - 1)
         ticks += [at, at + 1]
         values += [(1, index, phase), (0, 0, 0)]
@@ -231,8 +234,8 @@ class Peer:
         most = config.tau0_ticks - 2 * config.latency_ticks
         self.skew = int(random.integers(-most, most))
         # FPGA 1 waits for a peer that is WANTED, FPGA 2 for one that is DONE.
-        ready = 2 * config.link_period_ticks if self.script.board else 2 * config.cycle_ticks
-        self.tested = ready + int(random.integers(config.cycle_ticks))
+        ready = config.cycle_ticks * (0 if self.script.board else 1) + 4 * config.link_period_ticks
+        self.tested = ready + int(random.integers(config.cycle_ticks // 2))
 
     def message(self, tick: int) -> list[int] | None:
         """The levels of its bits, start bit first; None where it is not sent."""
@@ -320,14 +323,12 @@ def surroundings(config: Config, board: int, cycles: int, seed: int, engine: Eng
     random = np.random.default_rng([seed, 1])
     odds = float(random.choice([0.0, 0.0, 0.02]))
     outputs = config.outputs
-    idle = Waveform.of([0], [0], outputs)
     parts: list[Trace] = []
-    seen = Trace({"pulses": idle}, inputs.period, -SETTLED, 0).shift(0)
+    pulses = Waveform.of([0], [0], outputs)
     on = np.zeros(outputs, np.int64)
     stuck, level = 0, 0
     for start in range(0, inputs.end, SETTLED):
         end = min(start + SETTLED, inputs.end)
-        pulses = seen["pulses"]
         if random.random() < odds:
             stuck, level = (int(random.integers(1 << outputs)) for _ in range(2))
         elif random.random() < 0.1:
@@ -335,13 +336,14 @@ def surroundings(config: Config, board: int, cycles: int, seed: int, engine: Eng
         values = pulses.values.astype(np.int64) & ~stuck | level & stuck
         back = Waveform.of(pulses.ticks - pulses.ticks[0] + start, values, outputs)
         for output in range(outputs):
-            alive = bool((pulses.values >> np.uint8(output) & 1).any())
+            alive = bool((pulses.values.astype(np.uint64) >> np.uint64(output) & 1).any())
             on[output] = on[output] + 1 if alive else min(on[output], 12) - 1 if on[output] else 0
-        closed = sum(1 << output for output in range(outputs) if on[output] > 4)
+        drives = start > 4 * config.cycle_ticks  # before, it pulses alone in its test
+        closed = sum(1 << output for output in range(outputs) if drives and on[output] > 4)
         contact = Waveform.of([start], [closed & ~stuck | level & stuck], outputs)
         given = {"pulse_feedback": back.slice(start, end), "contact": contact}
         part = Trace(given, inputs.period, start, end)
         parts.append(part)
         told = inputs.slice(start, end).merge(part)
-        seen = engine.advance(end, told, ["pulses"])
+        pulses = engine.advance(end, told, ["pulses"])["pulses"]
     return inputs.merge(parts[0].concatenate(*parts[1:]))

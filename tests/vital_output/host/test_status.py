@@ -115,8 +115,9 @@ def test_what_is_no_status_is_refused() -> None:
         Status.from_bytes(SMALL, bytes(size - 1))
     spare = 8 * size - used
     assert spare > 0
-    with pytest.raises(ValueError, match=f"a status must begin with {spare} zeros, not 0x80"):
-        Status.from_bytes(SMALL, b"\x80" + bytes(size - 1))
+    for first in (0x80, 1 << 8 - spare):
+        with pytest.raises(ValueError, match=f"must begin with {spare} zeros, not {first:#x}"):
+            Status.from_bytes(SMALL, bytes([first]) + bytes(size - 1))
     for name, value, error in (
         ("states", 7 << 3, "state 1 must be between 0 and 6, not 7"),
         ("first_cause", 24, "first_cause must be between 0 and 23, not 24"),

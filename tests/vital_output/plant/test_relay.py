@@ -135,7 +135,8 @@ def test_a_train_that_ends_before_the_pick_up_closes_nothing() -> None:
 def test_welded_keeps_it_closed_for_just_so_long_and_closes_nothing() -> None:
     short, long = pulses(10, 210), pulses(10, 900)
     assert closed(short, long, 600, welded=held(0, 400)) == [(133, 1), (401, 0)]
-    assert closed(short, long, 600, welded=held(0, 250)) == [(133, 1), (285, 0)]
+    for until, opens in ((250, 285), (284, 285), (285, 286), (286, 287)):
+        assert closed(short, long, 600, welded=held(0, until)) == [(133, 1), (opens, 0)]
     assert closed(short, long, 600, welded=held(0, 400, output=1)) == [(133, 1), (285, 0)]
     assert closed(NONE, NONE, 600, welded=EVER) == []
 

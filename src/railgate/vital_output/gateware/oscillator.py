@@ -43,12 +43,15 @@ class Oscillator(wiring.Component):
         offset = Signal(signed(1 + most.bit_length()))
         window = Signal(range(config.window_messages))
 
-        spans = Array(step * period - 1 for step in range(MOST_STEPS + 1))
+        # What offset is when a message of so many steps is taken in time; compared with each one,
+        # so that the comparison need not wait for the subtraction.
+        spans = [steps * period - 1 for steps in range(MOST_STEPS + 1)]
+        off_by = Array((offset > span + limit) | (offset < span - limit) for span in spans)
         off = Signal.like(offset)
         passes = Signal()
         m.d.comb += [
-            off.eq(offset - spans[self.step]),
-            self.off_frequency.eq(self.linked & self.taken & ((off > limit) | (off < -limit))),
+            off.eq(offset - Array(spans)[self.step]),
+            self.off_frequency.eq(self.linked & self.taken & off_by[self.step]),
             passes.eq(window + self.step >= config.window_messages),
         ]
         with m.If(self.linked):

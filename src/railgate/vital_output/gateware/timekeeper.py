@@ -47,22 +47,32 @@ class Timekeeper(wiring.Component):
         consistent = Signal()
         holdover = Signal(range(config.holdover_cycles + 1))
 
+        # The sum with the correction is the middle one of these three, and reaches the last tick
+        # if two of them do: so it need not wait for the correction.
+        last = cycle - 1
         correction = Signal(signed(1 + slew.bit_length()))
         ends = Signal()
         m.d.comb += [
             correction.eq(Mux(pending > slew, slew, Mux(pending < -slew, -slew, pending))),
-            ends.eq(self.phase + correction >= cycle - 1),
+            ends.eq(
+                (self.phase >= last - slew)
+                & ((self.phase + pending >= last) | (self.phase >= last + slew))
+            ),
         ]
 
-        # The index's step selects last, so that it is not waited for.
+        # Likewise the step of the indices comes last, and only selects.
         step = Signal(signed(32))
         ahead = Signal.like(pending)
         near = Signal()
         m.d.comb += step.eq(self.index_in - self.index)
         for cycles in (-1, 0, 1):
-            by = self.phase_in - self.phase + cycles * cycle
+            too_low = (self.phase_in - self.phase + (cycles * cycle + margin))[-1]
+            too_high = (self.phase - self.phase_in + (margin - cycles * cycle))[-1]
             with m.If(step == cycles):
-                m.d.comb += [ahead.eq(by), near.eq((by >= -margin) & (by <= margin))]
+                m.d.comb += [
+                    ahead.eq(self.phase_in - self.phase + cycles * cycle),
+                    near.eq(~too_low & ~too_high),
+                ]
 
         update = Signal()
         good = Signal()
@@ -85,17 +95,17 @@ class Timekeeper(wiring.Component):
                 m.d.sync += holdover.eq(holdover + 1)
         with m.If(good):
             m.d.sync += [
-                pending.eq(ahead - Mux(ends, correction, 0)),
+                pending.eq(Mux(ends, ahead - correction, ahead)),
                 consistent.eq(1),
                 holdover.eq(0),
             ]
         with m.If(self.jump):
             m.d.sync += consistent.eq(0)
         with m.If(seats):
-            last = self.phase_in == cycle - 1
+            wraps = self.phase_in == last
             m.d.sync += [
-                self.phase.eq(Mux(last, 0, self.phase_in + 1)),
-                self.index.eq(self.index_in + last),
+                self.phase.eq(Mux(wraps, 0, self.phase_in + 1)),
+                self.index.eq(self.index_in + wraps),
                 seated.eq(1),
                 pending.eq(0),
                 consistent.eq(0),

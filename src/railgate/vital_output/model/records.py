@@ -86,9 +86,10 @@ SENDER = record("number bit next", ("bits", np.int8, BITS))
 after which that begins."""
 
 CHANNEL = record(
-    "board base closed origin time due drive_due latch toggle causes boot "
+    "board base looped origin time due drive_due latch toggle causes boot "
     "begun twice bytes sends receiving begins got arrival "
-    "drawn restful pulses feedback_pin contact_pin link_pin line contact ceased leapable readable",
+    "pulses still ceased feedback contact line feedback_pin contact_pin link_pin "
+    "drawn restful leapable readable calm",
     ("now", REGISTERS),
     ("was", REGISTERS),
     ("incoming", MESSAGE),
@@ -106,15 +107,15 @@ CHANNEL = record(
 """One channel.
 
 now: its registers; was: as they were in the tick that is under way. base: where its signals begin
-in the log. time: of the edge that ends this tick. due, drive_due, latch, toggle: the next ticks in
-which anything, an output, a message's fields, a pulse may change. causes: bit c of those of this
-tick. begun, twice, bytes, buffer: of the frame that is coming in. sends: messages begun. receiving,
-begins, got, received: of the message that is coming in bit by bit; arrival: the tick in which
-`incoming` is there as a whole. feedback_pin, contact_pin, link_pin: levels at the pins; line,
-contact: of the wire and the relays, before what disturbs them. drawn: pulses are followed edge by
-edge; restful: but for steady ones. ceased: steady trains that end. leapable: the relays always find
-a steady train alive; readable: the peer always reads an undisturbed message. senders: for link_tx,
-and for the line.
+in the log. looped: whether there is a loop. time: of the edge that ends this tick. due, drive_due,
+latch, toggle: the next ticks in which anything, an output, a message's fields, a pulse may change.
+causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. sends:
+messages made. receiving, begins, got, received: of the message that comes in bit by bit; arrival:
+the tick in which `incoming` is there as a whole. still: outputs whose trains are steady; ceased:
+those of them that end. feedback, contact, line: what pulses, relays and wire are; …_pin: what comes
+of it at the pins. drawn: pulses are followed edge by edge; restful: but for steady ones. leapable:
+the relays always find a steady train alive; readable: the peer always reads an undisturbed message;
+calm: the next of the disturbances of the lines. senders: for link_tx, and for the line.
 """
 
 DOMAIN = record(
@@ -135,11 +136,11 @@ RELAYS = record(
 apart: the first tick of those in which coil and contact have been different."""
 
 STATE = record(
-    "fresh loop calm shown wanted",
+    "fresh loop shown wanted",
     ("clocks", CLOCK, 3),
     ("domains", DOMAIN, 3),
     ("channels", CHANNEL, 2),
     ("relays", RELAYS),
 )
-"""All of a run. fresh: a piece begins. loop: whether there is the other channel and the relays.
-calm: the next of the changes that disturb the lines. shown, wanted: of the relays' contacts."""
+"""All of a run. fresh: a piece begins. loop: whether there are the other channel and the relays.
+shown, wanted: of the relays' contacts, as of a channel's signals."""

@@ -14,7 +14,7 @@ DISTURBANCE = wiring.Signature({"flip": In(1), "low": In(1), "high": In(1)})
 
 def held(source: Value, low: Value, high: Value) -> Value:
     """The source's bits, 0 where `low` holds them, 1 where `high` does, high before low."""
-    return (source | high) & ~low
+    return source & ~low | high
 
 
 class Line(wiring.Component):

@@ -1,0 +1,77 @@
+"""The counters of what has happened, and the first cause since the last acknowledgement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from operator import or_
+
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from railgate.vital_output.spec import CAUSES, Cause, Config
+
+__all__ = ["Status"]
+
+COUNTED = ("accepted", "start", "passed", "stored")
+ALARMS = (Cause.HANDSHAKE_ALARM, Cause.FEEDBACK_ALARM)
+
+
+class Status(wiring.Component):
+    """Counts events, and latches the first cause.
+
+    One in for each cause, of its name: 1 bit, event; of an alarm one bit an output. accepted,
+    start, passed, stored: in, 1 bit each, events. lost: in, frames that one accepted in this tick
+    tells lost. acknowledged: in, 1 bit, event, an output is.
+    first_cause, first_output, and a counter of each: out, registers, see Config.fields.
+    """
+
+    def __init__(self, config: Config) -> None:
+        self._config = config
+        causes = {
+            cause.name.lower(): In(config.outputs if cause in ALARMS else 1) for cause in CAUSES
+        }
+        told = ("first_cause", "first_output")
+        super().__init__(
+            causes
+            | {name: In(1) for name in (*COUNTED, "acknowledged")}
+            | {"lost": In(range(config.life_cycles))}
+            | {
+                field.name: Out(field.width)
+                for field in config.fields
+                if field.name in told or field.name.endswith("_count")
+            }
+        )
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        names = [cause.name.lower() for cause in CAUSES]
+        for name in (*COUNTED, *names):
+            count = getattr(self, f"{name}_count")
+            m.d.sync += count.eq(count + getattr(self, name).any())
+        with m.If(self.accepted):
+            m.d.sync += self.lost_count.eq(self.lost_count + self.lost)
+
+        causes = Signal(len(CAUSES))
+        m.d.comb += causes.eq(Cat(getattr(self, name).any() for name in names))
+        with m.If(self.acknowledged | (self.first_cause == Cause.NONE)):
+            m.d.sync += [
+                self.first_cause.eq(_chosen(causes, CAUSES)),
+                self.first_output.eq(self._first_output(causes)),
+            ]
+        return m
+
+    def _first_output(self, causes: Signal) -> Value:
+        """The lowest one that enters the alarm which is the first cause, else 0."""
+        numbers = range(self._config.outputs)
+        handshake = _chosen(self.handshake_alarm, numbers)
+        feedback = _chosen(self.feedback_alarm, numbers)
+        before = causes[: CAUSES.index(Cause.HANDSHAKE_ALARM)].any()
+        return Mux(before, 0, Mux(self.handshake_alarm.any(), handshake, feedback))
+
+
+def _chosen(bits: Value, numbers: Sequence[int]) -> Value:
+    """The number that belongs to the lowest bit that is set, 0 where none is."""
+    lowest = bits & -bits
+    return reduce(or_, (Mux(lowest[at], number, 0) for at, number in enumerate(numbers)))

@@ -1,0 +1,91 @@
+"""The relays in the loop: dynamic stages, coil, contact (DRV-13)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+from numpy.typing import NDArray
+
+from railgate.vital_output.model.pins import alive, head, seat, turn
+from railgate.vital_output.model.records import FAR, INPUTS, SIGNALS
+from railgate.vital_output.model.wires import RELAYS, ROGUES, feed, label, repin
+
+__all__ = ["CONTACT", "begin_relays", "halt_relays", "tick_of_relays"]
+
+WELDED, BROKEN = INPUTS.index("welded"), INPUTS.index("broken")
+
+CONTACT = 2 * len(SIGNALS)
+"""The contacts' place in the log, behind the signals of both channels."""
+
+
+@njit(nogil=True)
+def begin_relays(st: Any, limit: Any, tick: int) -> None:
+    """This is a new tick 0: all as at start."""
+    r = st.relays
+    r.origin = tick
+    for d in range(2):
+        r.fed[d] = 0
+        for i in range(limit.outputs):
+            seat(r.stages[d, i], 0)
+        feed(st, limit, d, tick)
+    for i in range(limit.outputs):
+        r.apart[i] = FAR
+
+
+@njit(nogil=True)
+def halt_relays(st: Any, limit: Any, time: int, log: NDArray[Any]) -> None:
+    """Reset: from the next tick on the contacts are open."""
+    st.relays.due = FAR
+    if st.relays.contact:
+        switch(st, limit, 0, time, log)
+
+
+@njit(nogil=True)
+def switch(st: Any, limit: Any, contact: int, time: int, log: NDArray[Any]) -> None:
+    """From this time on the contacts are so, and both channels may see it."""
+    st.relays.contact = st.shown = contact
+    if st.wanted:
+        row = log[log[0, 0]]
+        row[0], row[1], row[2] = time, CONTACT, contact
+        log[0, 0] += 1
+    for d in range(2):
+        c, domain = st.channels[d], st.domains[d]
+        c.contact = contact
+        repin(limit, c, domain.held, label(st, d, time), domain.resetting == 1)
+
+
+@njit(nogil=True)
+def tick_of_relays(st: Any, limit: Any, tick: int, time: int, log: NDArray[Any]) -> None:
+    """All that happens in one tick, which ends at this time."""
+    r, held = st.relays, st.domains[RELAYS].held
+    due, changed, moved = FAR, 0, False
+    for i in range(limit.outputs):
+        coil = held[BROKEN] >> i & 1 == 0
+        for d in range(2):
+            stage, still = r.stages[d, i], r.still[d] >> i & 1 == 1
+            coil &= still or alive(stage, tick, r.high)
+            if head(stage) == tick:
+                turn(stage, tick, r.low, r.high)
+                moved = True
+            if not still:
+                due = min(due, head(stage))
+                overdue = stage.rise + r.high + 1
+                due = min(due, overdue) if overdue > tick else due
+        closed = r.contact >> i & 1 == 1
+        if coil == closed:
+            r.apart[i] = FAR
+            continue
+        r.apart[i] = min(r.apart[i], tick)
+        moves = r.apart[i] + (r.release if closed else r.pick_up) - 1
+        if moves > tick:
+            due = min(due, moves)
+        elif not (closed and held[WELDED] >> i & 1):
+            changed |= 1 << i
+            r.apart[i] = FAR
+    if changed:
+        switch(st, limit, r.contact ^ changed, time, log)
+    if held[ROGUES] | held[ROGUES + 1]:
+        phase, half = (tick - r.origin) % r.period, r.period // 2
+        due = min(due, tick - phase + (half if phase < half else r.period))
+    r.due = tick + 1 if moved or changed else due

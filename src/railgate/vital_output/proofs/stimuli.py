@@ -1,0 +1,31 @@
+"""Stimuli step by step, and mutants of the vital output's gateware."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from railgate.proving import TICK, Mutant, Run, Search
+from railgate.waves import Trace, Waveform
+
+__all__ = ["Step", "mutant", "trace"]
+
+Step = tuple[int, Mapping[str, int]]
+"""For so many ticks these inputs have these values, all others 0."""
+
+
+def trace(widths: Mapping[str, int], steps: Sequence[Step]) -> Trace:
+    """The inputs of these widths, step after step."""
+    starts, now = [], 0
+    for ticks, _ in steps:
+        starts.append(now)
+        now += ticks
+    waves = {
+        name: Waveform.of(starts, [values.get(name, 0) for _, values in steps], width)
+        for name, width in widths.items()
+    }
+    return Trace(waves, TICK, 0, now)
+
+
+def mutant(name: str, file: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
+    """One of a file of the vital output's gateware."""
+    return Mutant(name, f"railgate.vital_output.gateware.{file}", old, new, rejected)
