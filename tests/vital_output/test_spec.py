@@ -113,6 +113,8 @@ def test_a_board_that_is_a_mask_of_the_other_is_refused() -> None:
         ({"boards": (5, 5)}, "boards must differ, not both be 0x5"),
         ({"boards": (5, 1 << 32)}, "boards must be between 0 and 4294967295, not 4294967296"),
         ({"polynomial": 0x1000_0000}, "polynomial must be odd, not 0x10000000"),
+        ({"link_polynomial": 2}, "link_polynomial must be odd, not 0x2"),
+        ({"polynomial": 0x1EDC_6F41}, "link_polynomial must differ from polynomial"),
         ({"cycle_s": Fraction(1, 3)}, "cycle_s must be a whole number of ticks"),
         ({"slew_ticks": 159}, "slew_ticks must be at least the clocks' drift in a cycle, 160"),
         ({"holdover_cycles": 101}, "holdover_cycles must keep the drift below half the margin"),

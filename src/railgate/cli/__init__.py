@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from railgate import doctor as checkup
-from railgate.cli import odometer, position_link, proofs
+from railgate.cli import odometer, position_link, proofs, residual, vital_output
 
 __all__ = ["main"]
 
@@ -19,6 +19,8 @@ app.command("decode")(position_link.decode_)
 app.add_typer(simulations, name="simulate", help="Run a function against its simulated plant.")
 simulations.command("odometer")(odometer.simulate_odometer)
 simulations.command("link")(position_link.simulate_link)
+simulations.command("vital")(vital_output.simulate_vital)
+app.command("residual")(residual.residual_)
 app.command("prove")(proofs.prove_)
 
 

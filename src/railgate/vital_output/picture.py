@@ -19,7 +19,7 @@ from railgate.vital_output.timeline import NAMES
 from railgate.vital_output.verdict import Closing
 from railgate.waves import Waveform, replacing
 
-__all__ = ["COLORS", "FPGAS", "INK", "SECOND", "draw", "shown"]
+__all__ = ["COLORS", "FPGAS", "GREY", "INK", "SECOND", "draw", "shown"]
 
 RED, GREY, VIOLET, INK = "#c23b3b", "#8a8f98", "#a13d97", "#2b2f36"
 FPGAS = ("#2a6fbb", "#d9822b")
@@ -60,7 +60,7 @@ def draw(run: Run, path: Path) -> None:
     """Draw into a PNG file, which is there whole or not. Raises ValueError."""
     outputs = shown(run)
     causes = [c for c in CAUSES if any(each.total(c.name.lower()) for each in run.channels)]
-    rows = [len(run.scenario.faults), *[5] * len(outputs), 4, len(causes)]
+    rows = [len(run.scenario.faults), *[6] * len(outputs), 3, len(causes)]
     heights = [0.3 + 0.22 * rows_in for rows_in in rows if rows_in]
     figure = Figure(figsize=(11, 1.2 + 1.35 * sum(heights)), layout="constrained", dpi=110)
     axes = list(np.atleast_1d(figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)))
@@ -108,6 +108,8 @@ def _legend(ax: Axes, run: Run, outputs: Sequence[int]) -> None:
         ncols=len(patches) + 1,
         fontsize=8,
         frameon=False,
+        handlelength=1.4,
+        columnspacing=1.4,
     )
 
 
@@ -120,7 +122,7 @@ def _faults(ax: Axes, run: Run) -> None:
         lasts = FAULTS[fault.kind].lasting
         stop = end if fault.end_s is None else min(float(fault.end_s), end)
         if fault.end_s is not None or lasts:
-            ax.barh(row, stop - start, left=start, height=0.5, color=VIOLET, alpha=0.6, lw=0)
+            ax.barh(row, stop - start, left=start, height=0.4, color=VIOLET, alpha=0.6, lw=0)
         ax.plot(start, row, "|", color=VIOLET, ms=11, mew=2)
         names.append(fault.kind if fault.value is None else f"{fault.kind}:{fault.value}")
     _rows(ax, names)
@@ -141,13 +143,13 @@ def _output(ax: Axes, run: Run, output: int) -> None:
         wave = channel.state(output)
         for state in State:
             _bars(ax, 2 + row, _spans(wave, state, end), COLORS[state])
-    contact = run.trace["contact"]
+    contact, violations = run.trace["contact"], run.verdict.violations
     closed = Waveform.of(contact.ticks, contact.values >> output & 1)
     _bars(ax, 4, _spans(closed, 1, end), INK)
     for each in run.verdict.closings:
-        if each.output == output and each.opened_by != "command":
+        if each.output == output and (each.opened_by == "failure" or each in violations):
             _declared(ax, run, each)
-    _rows(ax, ["CPU 1", "CPU 2", "FPGA 1", "FPGA 2", "contact"])
+    _rows(ax, ["CPU 1", "CPU 2", "FPGA 1", "FPGA 2", "contact", "declared"])
     ax.set_ylabel(f"output {output}")
 
 
@@ -173,7 +175,7 @@ def _declared(ax: Axes, run: Run, each: Closing) -> None:
     """From the last live 1, or the closing where there was none, as long as is declared."""
     begin = each.closed if each.live is None else max(each.closed, each.live)
     start, width = begin / SECOND, float(run.verdict.declared_s)
-    ax.barh(4.42, width, left=start, height=0.13, color=RED, alpha=0.5, lw=0)
+    ax.barh(5, width, left=start, height=0.3, color=RED, alpha=0.5, lw=0)
 
 
 def _spans(wave: Waveform, value: int, end: int) -> list[tuple[int, int]]:

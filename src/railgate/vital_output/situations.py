@@ -61,15 +61,20 @@ class _Times:
 
     @property
     def wrong(self) -> Fraction:
-        """In the middle of a cycle, between two frames."""
+        """With a cycle's beginning, between two frames."""
         config = self.config
         closed = ceil(Fraction(config.pick_up_ticks, config.cycle_ticks)) * config.cycle_s
-        return self.on + closed + 2 * config.cycle_s + config.cycle_s / 2
+        return self.on + closed + 2 * config.cycle_s
 
     @property
     def over(self) -> Fraction:
         """The reaction is over, and what can come again has come."""
-        return self.wrong + self.config.reaction_s + 4 * self.config.cycle_s
+        return self.wrong + self.reaction
+
+    @property
+    def reaction(self) -> Fraction:
+        """Room for a reaction to be seen."""
+        return self.config.reaction_s + 4 * self.config.cycle_s
 
     def scenario(self, *faults: Fault, seconds: Fraction | None = None) -> Scenario:
         return Scenario(
@@ -111,7 +116,7 @@ def _welded(config: Config) -> Scenario:
     times = _Times(config)
     begun = times.scenario(Fault("welded", times.wrong))
     off = Command(start_s=times.wrong + 2 * config.cycle_s, image=0)
-    return replace(begun, commands=(*begun.commands, off), seconds=off.start_s + 2 * times.over)
+    return replace(begun, commands=(*begun.commands, off), seconds=off.start_s + times.reaction)
 
 
 def _time_lost(config: Config) -> Scenario:

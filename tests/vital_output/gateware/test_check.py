@@ -152,6 +152,17 @@ def test_a_comparator_that_only_says_yes_accepts_nothing():
         assert result["cause"].at(end - 1) == Cause.COMPARATOR
 
 
+def test_a_check_that_an_upset_ends_early_accepts_nothing():
+    engine, again = bench(), START + SMALL.check_ticks + 10
+    first, second = inputs(sent(40), 40), inputs(sent(40), 40, start=again)
+    given = {name: first[name] | second[name] for name in first}
+    result = engine.run(again + 2, given)
+    assert result["good"].at(START + SMALL.check_ticks)
+    engine.engine.poke("run", 2 * (SMALL.delay_cycles + 2) + 1)
+    end = again + SMALL.check_ticks
+    assert engine.go_on(end + 1, given)["cause"].at(end) == Cause.CORRUPTION
+
+
 def expected(frame, index, phase, trusted, malformed):
     """The contract's verdict, by the CRCs that the specification computes."""
 

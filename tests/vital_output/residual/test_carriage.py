@@ -126,9 +126,23 @@ def test_only_the_same_polynomial_in_the_same_order_is_no_second_check(outputs: 
     assert ranks[ETHERNET][:2] == [64, 32]
 
 
-@pytest.mark.parametrize("outputs", [8, 16, 64])
-def test_the_cross_links_crc_and_the_forwarded_frames_find_the_same_errors(outputs: int) -> None:
+def same_polynomial(outputs: int) -> Layout:
+    """A layout that no configuration has: messages are checked as their frames are."""
     layout = Config(outputs=outputs).layout
+    layout._link_polynomial = layout.check.polynomial
+    return layout
+
+
+@pytest.mark.parametrize("outputs", [1, 8, 16, 20, 64])
+def test_an_error_in_a_forwarded_frame_has_two_checks_to_pass(outputs: int) -> None:
+    carriage = carriages(Config(outputs=outputs).layout)[2]
+    assert carriage.rank == 63  # both polynomials tell odd errors, and so agree in one bit
+    assert carriage.generators[0] == 0
+
+
+@pytest.mark.parametrize("outputs", [8, 16, 64])
+def test_with_the_frames_polynomial_the_link_would_find_the_same_errors(outputs: int) -> None:
+    layout = same_polynomial(outputs)
     carriage = carriages(layout)[2]
     assert carriage.rank == 32
     check = layout.message_check(BOARD)

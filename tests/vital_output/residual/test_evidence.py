@@ -48,8 +48,8 @@ def test_distances_are_told_as_far_as_they_are_counted(quick: Comparison) -> Non
 def test_what_lines_add_to_the_crc(quick: Comparison) -> None:
     told = [[(c.rank, c.bursts, c.generators[0]) for c in e.carried] for e in quick.codes]
     assert told == [
-        [(64, (28, 55), 0), (64, (32, 64), 0), (32, (32, 32), 64)],
-        [(64, (30, 63), 0), (32, (32, 32), 64), (32, (32, 32), 64)],
+        [(64, (28, 55), 0), (64, (32, 64), 0), (63, (32, 63), 0)],
+        [(64, (30, 63), 0), (32, (32, 32), 64), (64, (32, 64), 0)],
     ]
 
 
@@ -104,9 +104,9 @@ def test_the_command_compares_with_ethernets_polynomial(quick, monkeypatch) -> N
     monkeypatch.setattr(residual, "compare", lambda configs, _: asked.append(configs) or quick)
     app = typer.Typer()
     app.command()(residual_)
-    result = CliRunner().invoke(app, ["--outputs", "8", "--polynomial", "0x1edc6f41", "--json"])
+    result = CliRunner().invoke(app, ["--outputs", "8", "--polynomial", "0x741b8cd7", "--json"])
     assert result.exit_code == 0
-    assert [(c.outputs, c.polynomial) for c in asked[0]] == [(8, 0x1EDC6F41), (8, ETHERNET)]
+    assert [(c.outputs, c.polynomial) for c in asked[0]] == [(8, 0x741B8CD7), (8, ETHERNET)]
     told = json.loads(result.stdout)
     assert [code["polynomial"] for code in told["codes"]] == ["0xf4acfb13", "0x04c11db7"]
     CliRunner().invoke(app, ["--polynomial", "0x04c11db7"])

@@ -129,6 +129,7 @@ class FrameCheck(wiring.Component):
         with m.If(judges):
             m.d.sync += [matches.bit_select(judged, 1).eq(match), judged.eq(judged + 1)]
         with m.If(self.start):
+            # No match of the frame before outlives its check, even if an upset ends this one early.
             m.d.sync += [wanted.eq(self.frame.crc), matches.eq(0), judged.eq(0)]
 
         self._verdict(m, matches, newest, tried)

@@ -39,7 +39,7 @@ class Oscillator(wiring.Component):
         m = Module()
         config = self._config
         limit, period = config.drift_limit_ticks, config.link_period_ticks
-        most = limit + max(config.lost_ticks, MOST_STEPS * period)
+        most = limit + config.lost_ticks  # without a message the link is lost
         offset = Signal(signed(1 + most.bit_length()))
         window = Signal(range(config.window_messages))
 

@@ -215,9 +215,7 @@ def schedule(limit: Any, c: Any, held: NDArray[Any], tick: int) -> int:
 
 
 @njit(nogil=True)
-def tick_of_channel(
-    limit: Any, c: Any, held: NDArray[Any], tick: int, log: NDArray[Any]
-) -> None:
+def tick_of_channel(limit: Any, c: Any, held: NDArray[Any], tick: int, log: NDArray[Any]) -> None:
     """All that happens in one tick, but for what goes out."""
     c.was = c.now
     c.causes = 0

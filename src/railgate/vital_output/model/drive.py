@@ -166,9 +166,7 @@ def enter(limit: Any, c: Any, i: int, state: int, left: bool, tick: int) -> None
 
 
 @njit(nogil=True)
-def drive(
-    limit: Any, c: Any, tick: int, begins: bool, acknowledged: int
-) -> tuple[bool, int, int]:
+def drive(limit: Any, c: Any, tick: int, begins: bool, acknowledged: int) -> tuple[bool, int, int]:
     """All outputs in this tick: whether a state changes, and which enter an alarm of either kind."""
     was, due, moved, handshake, feedback = c.was, FAR, False, 0, 0
     ok = peer_ok(was)

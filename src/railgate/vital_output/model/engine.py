@@ -153,9 +153,7 @@ class Leap:
 
     def advance(self, until: int, stimulus: Trace, outputs: Collection[str] | None = None) -> Trace:
         """Run the ticks now ≤ k < until. Raises ValueError."""
-        wanted = [
-            self._outputs[name] for name in chosen(outputs, list(self._outputs), self._name)
-        ]
+        wanted = [self._outputs[name] for name in chosen(outputs, list(self._outputs), self._name)]
         check(stimulus, self._name, self._period, self.now, until, self._ports)
         state, start = self._state, self.now
         if until > start:

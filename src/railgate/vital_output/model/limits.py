@@ -19,7 +19,7 @@ OWN = (
     "contact_filter_ticks input_stages link_period_ticks lost_ticks window_messages "
     "drift_limit_ticks decision_ticks period_ticks half_period_ticks period_low_ticks "
     "period_high_ticks zero_ticks pulse_grace_ticks pick_up_ticks release_ticks test_ticks "
-    "skew_ticks not_yet_driving_ticks error_interval_cycles zero_at_once digest polynomial"
+    "skew_ticks not_yet_driving_ticks error_interval_cycles zero_at_once digest link_polynomial"
 )
 LIMITS = record(
     f"{OWN} frame_bytes image_bytes message_bits late_ticks count_max all_outputs delay_ticks",

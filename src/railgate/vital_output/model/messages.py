@@ -59,7 +59,7 @@ def crc(limit: Any, bits: NDArray[Any], board: int) -> int:
     for i in range(1, limit.message_bits - CRC_BITS):
         out = register >> 31 & 1
         register = register << 1 & (1 << 32) - 1
-        register ^= limit.polynomial if out != bits[i] else 0
+        register ^= limit.link_polynomial if out != bits[i] else 0
     return register
 
 

@@ -126,9 +126,7 @@ def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def act(
-    st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]
-) -> None:
+def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]) -> None:
     """What a channel does in the tick of its event."""
     domain, c = st.domains[d], st.channels[d]
     if domain.frozen != NONE:

@@ -70,7 +70,9 @@ def repin(limit: Any, c: Any, held: NDArray[Any], tick: int, resetting: bool) ->
     seen = tick + limit.input_stages
     for i in range(limit.outputs):
         if changed >> i & 1:
-            push(c.feedback_pins[i], seen + limit.feedback_filter_ticks, limit.feedback_filter_ticks)
+            push(
+                c.feedback_pins[i], seen + limit.feedback_filter_ticks, limit.feedback_filter_ticks
+            )
             c.drive_due = min(c.drive_due, head(c.feedback_pins[i]))
         if moved >> i & 1:
             push(c.contact_pins[i], seen + limit.contact_filter_ticks, limit.contact_filter_ticks)

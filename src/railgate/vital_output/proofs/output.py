@@ -194,9 +194,7 @@ class _Alarms(_Watched):
         handshake, feedback = (before == alarm for alarm in ALARMS)
         left = (handshake | feedback) & (state != before)
         m.d.comb += [
-            self.holds.eq(
-                ~left | ((state == State.IDLE) & at_rest & (handshake | acknowledged))
-            ),
+            self.holds.eq(~left | ((state == State.IDLE) & at_rest & (handshake | acknowledged))),
             self.reached.eq(left & feedback),
         ]
         return m
@@ -269,14 +267,37 @@ CLAIMS = (
         cover=ALL_ROWS,
         mutants=(
             _mutant("tau1-a-tick-longer", "config.tau1_ticks - 1", "config.tau1_ticks", ALL_ROWS),
-            _mutant("not-yet-a-tick-longer", "elapsed >= config.not_yet", "elapsed > config.not_yet", ALL_ROWS),
-            _mutant("grace-a-tick-longer", "elapsed >= config.pulse_g", "elapsed > config.pulse_g", ALL_ROWS),
-            _mutant("pick-up-a-tick-longer", "elapsed >= config.pick", "elapsed > config.pick", ALL_ROWS),
-            _mutant("skew-a-tick-longer", "elapsed >= config.skew", "elapsed > config.skew", ALL_ROWS),
-            _mutant("release-a-tick-longer", "elapsed >= config.rel", "elapsed > config.rel", ALL_ROWS),
+            _mutant(
+                "not-yet-a-tick-longer",
+                "elapsed >= config.not_yet",
+                "elapsed > config.not_yet",
+                ALL_ROWS,
+            ),
+            _mutant(
+                "grace-a-tick-longer",
+                "elapsed >= config.pulse_g",
+                "elapsed > config.pulse_g",
+                ALL_ROWS,
+            ),
+            _mutant(
+                "pick-up-a-tick-longer", "elapsed >= config.pick", "elapsed > config.pick", ALL_ROWS
+            ),
+            _mutant(
+                "skew-a-tick-longer", "elapsed >= config.skew", "elapsed > config.skew", ALL_ROWS
+            ),
+            _mutant(
+                "release-a-tick-longer", "elapsed >= config.rel", "elapsed > config.rel", ALL_ROWS
+            ),
             _mutant("test-a-tick-longer", "config.test_ticks - 1", "config.test_ticks", ALL_ROWS),
-            _mutant("left-stays", "m.d.sync += left.eq(stays)", "m.d.sync += left.eq(left)", ALL_ROWS),
-            _mutant("welded-unseen", "self.fb & (elapsed >= config.release", "(elapsed < 0) & (elapsed >= config.release", ALL_ROWS),
+            _mutant(
+                "left-stays", "m.d.sync += left.eq(stays)", "m.d.sync += left.eq(left)", ALL_ROWS
+            ),
+            _mutant(
+                "welded-unseen",
+                "self.fb & (elapsed >= config.release",
+                "(elapsed < 0) & (elapsed >= config.release",
+                ALL_ROWS,
+            ),
         ),
     ),
     Claim(
@@ -292,7 +313,11 @@ CLAIMS = (
         method=Induction(),
         mutants=(
             _mutant("alarm-will-do", "peer_in_pre_drive | peer_in_drive", "self.peer_code != 0"),
-            _mutant("from-idle", "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.PRE_DRIVE)", "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.DRIVE)"),
+            _mutant(
+                "from-idle",
+                "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.PRE_DRIVE)",
+                "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.DRIVE)",
+            ),
             _mutant("pulses-while-upset", "& ~self.error & ~self.upset", "& ~self.error"),
         ),
     ),
@@ -308,8 +333,16 @@ CLAIMS = (
         method=Induction(),
         mutants=(
             _mutant("command-stays", "m.If(~self.cmd & ~self.fb)", "m.If(~self.fb)"),
-            _mutant("contact-stays", "m.If(self.acknowledged & ~self.cmd & ~self.fb)", "m.If(self.acknowledged & ~self.cmd)"),
-            _mutant("not-latched", "m.If(self.acknowledged & ~self.cmd & ~self.fb)", "m.If(~self.cmd & ~self.fb)"),
+            _mutant(
+                "contact-stays",
+                "m.If(self.acknowledged & ~self.cmd & ~self.fb)",
+                "m.If(self.acknowledged & ~self.cmd)",
+            ),
+            _mutant(
+                "not-latched",
+                "m.If(self.acknowledged & ~self.cmd & ~self.fb)",
+                "m.If(~self.cmd & ~self.fb)",
+            ),
         ),
     ),
 )

@@ -38,4 +38,3 @@ class Scaled(Config):
 
 
 SCALED = Scaled(outputs=1, slew_ticks=1, count_bits=4)
-

@@ -84,7 +84,8 @@ def carriages(layout: Layout) -> tuple[Carriage, Carriage, Carriage]:
 
 def _forwarded(layout: Layout, frame: Syndromes) -> Carriage:
     """Of image and acknowledge a message has no padding."""
-    message = syndromes(layout.check, bits(layout.message))
+    check = layout.message_check(0)  # which board begins it does not matter to an error
+    message = syndromes(check, bits(layout.message))
     names = np.repeat([f.name for f in layout.message], [f.width for f in layout.message])
     inside = np.isin(names, FORWARDED)
     widths = {f.name.removeprefix("frame_"): f.width for f in layout.message if f.name in FORWARDED}
@@ -94,5 +95,5 @@ def _forwarded(layout: Layout, frame: Syndromes) -> Carriage:
         frame[np.concatenate(sent)],
         message[inside],
         message[~inside],
-        layout.check.polynomial,
+        check.polynomial,
     )

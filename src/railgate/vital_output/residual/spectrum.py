@@ -46,7 +46,7 @@ def spectrum(syndromes: Syndromes, told: Callable[[float], None] | None = None) 
 def probability(passing: Spectrum, error_rate: float) -> float:
     """That bits wrong at this rate, each for itself, are an error and pass."""
     n, p = len(passing) - 1, error_rate
-    return fsum(a * p**w * (1 - p) ** (n - w) for w, a in enumerate(passing) if a)
+    return fsum(a * p**w * (1 - p) ** (n - w) for w, a in enumerate(passing) if w and a)
 
 
 def _weights(generators: Sequence[int], n: int, told: Callable[[float], None] | None) -> Spectrum:

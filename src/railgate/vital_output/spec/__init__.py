@@ -22,7 +22,8 @@ else it is far). In tick k:
   cycle ends in k; `consistent` becomes 1, `holdover` 0.
 - else, if not seated yet, or life[k] = 0 and the update is ahead (step of the index > 0, or = 0
   and d ≥ 0): it *seats*: phase becomes time.phase + 1 and index time.index, but if time.phase =
-  cycle_ticks - 1, 0 and time.index + 1; pending, consistent and holdover become 0.
+  cycle_ticks - 1, 0 and time.index + 1; pending, consistent and holdover become 0, and no cycle
+  ends in k.
 - else TIME_JUMP: consistent becomes 0. So time never steps back.
 holdover grows by 1 at the end of a cycle, up to holdover_cycles at most (a good update of the same
 tick wins). `trusted[k]`: consistent[k] and holdover[k] < holdover_cycles. The status output
@@ -40,7 +41,7 @@ it does with another index; MASQUERADE, if the other board's ID does with any of
 **Command (DRV-1, DRV-5).** A byte is transferred in a tick with `command.valid` and
 `command.ready`. One with `first` begins a frame, one with `last` ends it in this tick k. The frame
 is of the bytes from the last `first` on; it is FORMAT where there has been no `first` since the
-frame before, where `first` came twice, where it has not frame_bytes bytes, or where bits of image
+frame before, where more than one came since then, where it has not frame_bytes bytes, or where bits of image
 or acknowledge beyond the outputs are set. Its check, with late = margin_ticks, begins in k; in the
 ticks k + 1 … k + check_ticks - 1 `ready` is 0, else 1 (it is the only output that starts at 1). In
 tick V = k + check_ticks the verdict is told. Good: let step be from `reference` to the frame's
@@ -67,7 +68,7 @@ first that applies, step being from `number` to the message's, modulo 256:
 - wrong CRC: LINK_CHECK.
 - another digest than the own: LINK_DIGEST.
 - linked, step not in 1 … 3: LINK_SEQUENCE.
-- not linked, and not numbered or step not 1: number becomes the message's, numbered 1.
+- not linked, and either not numbered or step not 1: number becomes the message's, numbered 1.
 - it is *taken*: linked becomes 1, number the message's, numbered 1, and its fields `peer`'s.
 `silence` becomes 0 in the tick after one is taken, else it grows by 1; in a tick with linked and
 silence = lost_ticks - 1, and none taken: LINK_LOST, linked and numbered become 0.

@@ -21,19 +21,21 @@ class Config:
     """What both channels are built for. Raises ValueError at the first thing that does not hold.
 
     clock_hz, tolerance_ppm: of each reference clock. outputs: 1 … 64. boards: the IDs of FPGA 1 and
-    FPGA 2. polynomial: of all CRCs, without its leading term (DRV-4). cycle_s: the system cycle.
-    margin_s: so far from a cycle's boundary the neighbouring index is tried too, and so far may the
-    network's time be off the own. slew_ticks: by so much at most a cycle is longer or shorter.
-    holdover_cycles: time is trusted for so long without an update. delay_cycles: so many cycles
-    back a late frame is still told from a corrupted one. life_cycles, tau0_s, tau1_s: DRV-6,
-    DRV-7, DRV-9. bit_ticks: of the cross-link. link_filter_ticks: of its receiver. line_ticks: the
-    line's delay at most. spare_messages: so many in a row may be lost without any effect, and
-    lost_messages are a lost link. window_messages, drift_limit_ppm: the peer's clock is measured
-    over so many, and found off tolerance beyond this. pulse_hz, pulse_tolerance: of the pulse
-    trains, the tolerance as a part of the period. feedback_filter_ticks, contact_filter_ticks:
-    levels of at most so many ticks vanish. pick_up_s, release_s: of the relay at most;
-    release_min_s at least. error_interval_s: None, or DRV-15's. zero_at_once: a valid 0 of either
-    CPU is obeyed at once (DRV-7). count_bits: width of the counters.
+    FPGA 2. polynomial: of a frame's CRC, without its leading term (DRV-4). link_polynomial: of the
+    cross-link's messages, another one, so that an error in a forwarded frame has two checks to
+    pass. cycle_s: the system cycle. margin_s: so far from a cycle's boundary the neighbouring index
+    is tried too, and so far may the network's time be off the own. slew_ticks: by so much at most a
+    cycle is longer or shorter. holdover_cycles: time is trusted for so long without an update.
+    delay_cycles: so many cycles back a late frame is still told from a corrupted one. life_cycles,
+    tau0_s, tau1_s: DRV-6, DRV-7, DRV-9. bit_ticks: of the cross-link. link_filter_ticks: of its
+    receiver. line_ticks: the line's delay at most. spare_messages: so many in a row may be lost
+    without any effect, and lost_messages are a lost link. window_messages, drift_limit_ppm: the
+    peer's clock is measured over so many, and found off tolerance beyond this. pulse_hz,
+    pulse_tolerance: of the pulse trains, the tolerance as a part of the period.
+    feedback_filter_ticks, contact_filter_ticks: levels of at most so many ticks vanish. pick_up_s,
+    release_s: of the relay at most; release_min_s at least. error_interval_s: None, or DRV-15's.
+    zero_at_once: a valid 0 of either CPU is obeyed at once (DRV-7). count_bits: width of the
+    counters.
     """
 
     clock_hz: int = 16_000_000
@@ -41,6 +43,7 @@ class Config:
     outputs: int = 16
     boards: tuple[int, int] = (0x5641_0001, 0x5641_0002)
     polynomial: int = 0xF4AC_FB13
+    link_polynomial: int = 0x1EDC_6F41
     cycle_s: Fraction = 50 * MILLI
     margin_s: Fraction = 1 * MILLI
     slew_ticks: int = 400

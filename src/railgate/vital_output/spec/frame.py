@@ -37,6 +37,7 @@ class Layout:
 
     def __init__(self, config: Config) -> None:
         outputs = config.outputs
+        self._link_polynomial = config.link_polynomial
         padded = 8 * -(-outputs // 8)
         self.implicit = (
             Field("board", ID_BITS, "the FPGA's that the frame is for"),
@@ -69,7 +70,7 @@ class Layout:
     def message_check(self, board: int) -> Check:
         """The check of messages that the FPGA with this ID sends: others' messages, and its own
         that come back, do not pass."""
-        return Check(width=CRC_BITS, polynomial=self.check.polynomial, initial=board)
+        return Check(width=CRC_BITS, polynomial=self._link_polynomial, initial=board)
 
     @cached_property
     def frame_bytes(self) -> int:

@@ -27,6 +27,7 @@ def validate(config: Config) -> None:
         ("tolerance_ppm", 0, 1_000),
         ("outputs", 1, 64),
         ("polynomial", 1, (1 << 32) - 1),
+        ("link_polynomial", 1, (1 << 32) - 1),
         ("cycle_s", MILLI / 10, 10),
         ("margin_s", 0, config.cycle_s / 4),
         ("slew_ticks", 0, config.cycle_ticks // 8),
@@ -52,8 +53,13 @@ def validate(config: Config) -> None:
 
 
 def _require_identities(config: Config) -> None:
-    if not config.polynomial & 1:
-        raise ValueError(f"polynomial must be odd, not {config.polynomial:#x}")
+    for name in ("polynomial", "link_polynomial"):
+        if not getattr(config, name) & 1:
+            raise ValueError(f"{name} must be odd, not {getattr(config, name):#x}")
+    if config.link_polynomial == config.polynomial:
+        raise ValueError(
+            f"link_polynomial must differ from polynomial, not be {config.polynomial:#x}"
+        )
     if config.boards[0] == config.boards[1]:
         raise ValueError(f"boards must differ, not both be {config.boards[0]:#x}")
     for board in config.boards:
