@@ -36,6 +36,9 @@ class Pair:
     clock: Annotated[str, option("Reference clock of each FPGA.")] = "16MHz"
     outputs: Annotated[int, option("Outputs, each with a relay.")] = 16
     cycle: Annotated[str, option("System cycle: from command frame to command frame.")] = "50ms"
+    margin: Annotated[str, option("So far frames and time may be off a cycle.")] = "1ms"
+    slew: Annotated[int, option("Ticks by which a cycle may be longer or shorter.")] = 400
+    holdover: Annotated[int, option("Cycles that time is trusted without an update.")] = 100
     tau0: Annotated[str, option("The other CPU's frame comes within this.")] = "5ms"
     tau1: Annotated[str, option("The peer is about to drive within this.")] = "5ms"
     life: Annotated[int, option("Cycles that a command lives on without a new one.")] = 3
@@ -64,6 +67,9 @@ class Pair:
             clock_hz=whole_hz("--clock", self.clock),
             outputs=self.outputs,
             cycle_s=quantity.time_s(self.cycle),
+            margin_s=quantity.time_s(self.margin),
+            slew_ticks=self.slew,
+            holdover_cycles=self.holdover,
             tau0_s=quantity.time_s(self.tau0),
             tau1_s=quantity.time_s(self.tau1),
             life_cycles=self.life,

@@ -35,6 +35,8 @@ COLORS = {
 }
 GOOD = ("accepted", "start")
 """Counters of frames that are right."""
+FEW_FRAMES = 400
+"""Of more only those rejected have a mark."""
 MOST_OUTPUTS = 3
 SECOND = 1e15
 """Femtoseconds."""
@@ -143,19 +145,20 @@ def _output(ax: Axes, run: Run, output: int) -> None:
         wave = channel.state(output)
         for state in State:
             _bars(ax, 2 + row, _spans(wave, state, end), COLORS[state])
-    contact, violations = run.trace["contact"], run.verdict.violations
+    contact = run.trace["contact"]
     closed = Waveform.of(contact.ticks, contact.values >> output & 1)
     _bars(ax, 4, _spans(closed, 1, end), INK)
     for each in run.verdict.closings:
-        if each.output == output and (each.opened_by == "failure" or each in violations):
+        told = each.opened_by == "failure" or run.verdict.too_long(each)
+        if each.output == output and told:
             _declared(ax, run, each)
     _rows(ax, ["CPU 1", "CPU 2", "FPGA 1", "FPGA 2", "contact", "declared"])
     ax.set_ylabel(f"output {output}")
 
 
 def _frames(ax: Axes, row: int, channel: Observed, output: int) -> None:
-    """A mark for each frame that came, a cross where it was rejected; a bar from one that commands
-    the output on, for a cycle at most."""
+    """A mark for each frame that came, a cross for one rejected; a bar from one that commands the
+    output on, for a cycle at most."""
     frames, color = channel.frames, FPGAS[channel.fpga - 1]
     cycle = femtoseconds(channel.config.cycle_s)
     nexts = [*(frame.at for frame in frames[1:]), channel.trace.end]
@@ -166,9 +169,10 @@ def _frames(ax: Axes, row: int, channel: Observed, output: int) -> None:
     ]
     _bars(ax, row, on, color, alpha=0.35)
     good = {channel.judged(at).tick for name in GOOD for at, _ in channel.counted(name)}
-    for mark, drawn, accepted in (("|", color, True), ("x", RED, False)):
+    few = "|" if len(frames) < FEW_FRAMES else ""
+    for mark, drawn, accepted in ((few, color, True), ("x", RED, False)):
         at = [frame.at / SECOND for frame in frames if (frame.tick in good) is accepted]
-        ax.plot(at, [row] * len(at), mark, color=drawn, ms=5, mew=1.2)
+        ax.plot(at, [row] * len(at), ls="", marker=mark, color=drawn, ms=5, mew=1.2)
 
 
 def _declared(ax: Axes, run: Run, each: Closing) -> None:

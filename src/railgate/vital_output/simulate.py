@@ -95,7 +95,7 @@ class Run:
             "opened_by": each.opened_by,
             "live_s": None if each.live is None else float(each.live * FEMTOSECOND),
             "since_live_s": _number(each.since_live_s),
-            "safe": each not in self.verdict.violations,
+            "safe": not self.verdict.too_long(each),
         }
 
 

@@ -74,7 +74,7 @@ class _Times:
     @property
     def reaction(self) -> Fraction:
         """Room for a reaction to be seen."""
-        return self.config.reaction_s + 4 * self.config.cycle_s
+        return (ceil(self.config.reaction_s / self.config.cycle_s) + 4) * self.config.cycle_s
 
     def scenario(self, *faults: Fault, seconds: Fraction | None = None) -> Scenario:
         return Scenario(

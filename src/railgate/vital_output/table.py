@@ -19,7 +19,7 @@ from railgate.vital_output.verdict import Verdict
 
 __all__ = ["seconds", "show", "show_situations"]
 
-ROWS = 240
+ROWS = 400
 """At most so many rows of a timeline."""
 
 SOURCES = {"FPGA 1": "blue", "FPGA 2": "dark_orange", "relay": "bold", "fault": "magenta"}
@@ -93,7 +93,11 @@ def _channel(channel: Observed) -> str:
     wrong = {cause.name.lower(): channel.total(cause.name.lower()) for cause in CAUSES}
     told = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in wrong.items() if count)
     first = Cause(int(channel.wave("first_cause").values[-1]))
-    since = f"; the first one latched: {first.name.lower().replace('_', ' ')}" if first else ""
+    since = (
+        f"; the first since the last acknowledgement: {first.name.lower().replace('_', ' ')}"
+        if first
+        else ""
+    )
     return (
         f"{taken} frames accepted, {lost} lost, {passed} votes passed, {stored} images stored\n"
         f"causes: {told or 'none'}{since}\n"

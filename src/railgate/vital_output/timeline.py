@@ -136,10 +136,12 @@ def _thinned(events: Sequence[Event]) -> list[Event]:
     counts = Counter(map(_kind, events))
     shown = []
     for event in events:
-        if (count := counts[_kind(event)]) > MANY:
+        count = counts[kind := _kind(event)]
+        if count > MANY:
+            counts[kind] = 0
             event = replace(event, what=f"{event.what}, {count} × in this cycle")
-            counts[_kind(event)] = 0
-        shown += [event] if count else []
+        if count:
+            shown.append(event)
     return shown
 
 
@@ -278,7 +280,7 @@ def _contacts(verdict: Verdict) -> Iterator[Event]:
 
 def _contact(each: Closing, verdict: Verdict) -> Iterator[tuple[int, str]]:
     yield each.closed, "contact closes" + " without a live 1" * each.late
-    if each in verdict.violations:
+    if verdict.too_long(each):
         backed = max(each.closed, each.live or 0)
         yield backed + femtoseconds(verdict.declared_s), "contact closed longer than declared"
     if not each.lasts:

@@ -64,8 +64,12 @@ class Verdict:
 
     @property
     def violations(self) -> tuple[Closing, ...]:
-        """The spans that lasted longer than the reaction time after the last agreed, live 1."""
-        return tuple(each for each in self.closings if each.unbacked_s > self.declared_s)
+        """The spans that lasted too long."""
+        return tuple(filter(self.too_long, self.closings))
+
+    def too_long(self, each: Closing) -> bool:
+        """It lasted longer than the reaction time after the last agreed, live 1."""
+        return each.unbacked_s > self.declared_s
 
     def worst_s(self, opened_by: str) -> Fraction | None:
         """The longest that a contact took from the last agreed, live 1 until it opened, of those

@@ -214,6 +214,21 @@ def test_a_lasting_fault_opens_the_contact_within_the_reaction_time(text: str) -
 
 
 @pytest.mark.parametrize("fpga", [1, 2])
+def test_a_stopped_channel_holds_all_its_outputs_and_goes_on(fpga: int) -> None:
+    told = scenario(f"stopped-{fpga}@{FAULT_MS}ms..{FAULT_MS + 5}ms", cycles=READY + 1)
+    found = run(told)
+    inputs = told.controls(SMALL).signals
+    begin, end = inputs[f"fpga_{fpga}.stopped"].ticks[1:].tolist()
+    outputs = [name for name in found.signals if name.startswith(f"fpga_{fpga}")]
+    outputs = [name for name in outputs if name not in inputs]
+    assert {f"fpga_{fpga}.{name}" for name in ("command.ready", "link_tx", "pulses")} < {*outputs}
+    for name in outputs:
+        ticks = found[name].ticks
+        assert not ((ticks > begin) & (ticks <= end)).any(), name
+    assert found[f"fpga_{fpga}.link_tx"].ticks[-1] > end
+
+
+@pytest.mark.parametrize("fpga", [1, 2])
 def test_without_time_the_contact_opens_when_holdover_ends(fpga: int) -> None:
     lasts = READY + SMALL.holdover_cycles
     found = run(scenario(f"time-lost-{fpga}@{FAULT_MS}ms", cycles=lasts + 6))

@@ -187,6 +187,7 @@ def drive(limit: Any, c: Any, tick: int, begins: bool, acknowledged: int) -> tup
         )
         if not o.steady and head(pin) == tick:
             turn(pin, tick, limit.period_low_ticks, limit.period_high_ticks)
+            due = tick + 1
         o.left &= cmd
         if state != o.state:
             moved = True

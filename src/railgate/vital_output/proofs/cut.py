@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
 from unittest.mock import patch
 
 from amaranth.hdl import Module, Value
@@ -28,18 +27,11 @@ def cut_channel(config: Config, board: int, told: Told) -> Internals:
         return Internals(channel.Channel(config, board))
 
 
-def _cut(block: Callable[..., wiring.Component], told: Mapping[str, Value]) -> Callable[..., Any]:
-    return lambda *arguments: _Cut(block(*arguments), told)
+def _cut(block: type[wiring.Component], told: Mapping[str, Value]) -> type[wiring.Component]:
+    class Cut(block):
+        def elaborate(self, _platform: object) -> Module:
+            m = Module()
+            m.d.comb += [getattr(self, name).eq(value) for name, value in told.items()]
+            return m
 
-
-class _Cut(wiring.Component):
-    """Has the ports of a block."""
-
-    def __init__(self, block: wiring.Component, told: Mapping[str, Value]) -> None:
-        super().__init__(block.signature)
-        self._told = told
-
-    def elaborate(self, _platform: object) -> Module:
-        m = Module()
-        m.d.comb += [getattr(self, name).eq(value) for name, value in self._told.items()]
-        return m
+    return Cut

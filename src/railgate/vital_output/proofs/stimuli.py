@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from railgate.proving import TICK, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
 
-__all__ = ["Step", "mutant", "trace"]
+__all__ = ["Step", "mutant", "trace", "train"]
 
 Step = tuple[int, Mapping[str, int]]
 """For so many ticks these inputs have these values, all others 0."""
@@ -24,6 +24,13 @@ def trace(widths: Mapping[str, int], steps: Sequence[Step]) -> Trace:
         for name, width in widths.items()
     }
     return Trace(waves, TICK, 0, now)
+
+
+def train(period: int, periods: int, name: str, beside: Mapping[str, int]) -> Iterator[Step]:
+    """So many periods of a pulse train on this input, others beside it."""
+    for _ in range(periods):
+        yield period // 2, {name: 1, **beside}
+        yield period - period // 2, beside
 
 
 def mutant(name: str, file: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
