@@ -25,6 +25,9 @@ FEEDBACK = ("open_1", "open_2", "stuck_1", "stuck_2", "contact_open", "contact_s
 """What can be wrong with what the FPGAs see of their pulses and of the contact, likewise."""
 
 LEAST_PERIOD = 8
+"""Ticks, so that two flip-flops see each half of it."""
+
+LOW = Waveform.of([0], [0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,9 +103,6 @@ def contacts(config: Config, times: RelayTimes, clock: Clock, run: Trace) -> Wav
         closed.append(_contact(times, _coil(alive_1, alive_2, broken), welded, end))
     whole = combined(closed)
     return edges.wave(whole.ticks, whole.values, config.outputs, run.end)
-
-
-LOW = Waveform.of([0], [0])
 
 
 def combined(waves: Sequence[Waveform]) -> Waveform:

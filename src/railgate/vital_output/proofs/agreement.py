@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
@@ -136,19 +137,27 @@ class _Started(_Decided):
 
 
 def _switched_on(board: int) -> Trace:
-    """The shut-off test with its feedback, a voted 0, a voted 1, and drive."""
+    """Commands before the shut-off test; the test with its feedback; a 1 that has not been 0; a 0,
+    a 1 and drive, which ends with the life; drive anew, which ends with the peer's start."""
     config = TWO
-    turn = TestPhase.DONE if board else TestPhase.WANTED
     peer = {"peer_ok": 1, "peer_passed": 1, "peer_carries": 1}
-    tested = peer | {"peer_test": TestPhase.DONE}
-    on = tested | {"image": 1, "peer_image": 1}
-    both = {"accepted": 1, "forwarded": 1}
-    codes = {"peer_codes": Code.DRIVE}
+    testing, done = peer | {"peer_test": TestPhase.RUNNING}, peer | {"peer_test": TestPhase.DONE}
+    both, one = {"accepted": 1, "forwarded": 1}, {"image": 1, "peer_image": 1}
+    codes, over = {"peer_codes": Code.DRIVE}, {"decides": 1, "index": 5}
+
+    def voted(beside: Mapping[str, int], image: Mapping[str, int]) -> tuple[Step, Step]:
+        return (1, {**beside, **image, **both}), (8, {**beside, **codes})
+
+    turn = peer | {"peer_test": TestPhase.DONE if board else TestPhase.WANTED}
     periods = config.test_ticks // config.period_ticks + 2
     steps: tuple[Step, ...] = (
-        *train(config.period_ticks, periods, "pulse_feedback", peer | {"peer_test": turn}),
-        (2 * config.zero_ticks, tested),
-        *((1, tested | both), (4, tested), (1, on | both), (8, on | codes)),
+        *(*voted(testing, {}), *voted(testing, one), (1, testing | {"booted": 1})),
+        (config.life_cycles, testing | over),
+        *train(config.period_ticks, periods, "pulse_feedback", turn),
+        (2 * config.zero_ticks, done),
+        *(*voted(done, one), *voted(done, {}), *voted(done, one)),
+        *((config.life_cycles, done | codes | over), (8, done | codes)),
+        *(*voted(done, one), (1, done | codes | {"booted": 1}), (8, done | codes)),
     )
     return trace(widths(TWO) | {"decides": 1, "index": 32}, steps)
 
@@ -176,9 +185,9 @@ CLAIMS = (
             mutant("unpassed-peer", "vote", "                & self.peer_passed\n", "", AGREED),
             mutant("image-of-the-peer", "vote", "same = self.own.as_value() == forwarded.as_value()", "same = self.own.sequence == forwarded.sequence", AGREED),
             mutant("life-from-frames", "storage", "life.next.eq(self._config.life_cycles)", "life.next.eq(self._config.life_cycles)\n        with m.Elif(self.accepted):\n            m.d.comb += life.next.eq(1)", AGREED),
-            mutant("image-outlives", "storage", "with m.If(~(self.life_out | self.upset | latched_next)):", "with m.If(~(self.upset | latched_next)):", AGREED),
+            mutant("image-outlives", "storage", "with m.If(~(self.life_out | self.upset | latched_next)):", "with m.If(~(self.upset | latched_next)):", Search(10)),
             mutant("pulses-in-pre-drive", "output", "(state.value == State.DRIVE)", "((state.value == State.DRIVE) | (state.value == State.PRE_DRIVE))", SWITCHED_ON[0]),
-            mutant("stays-in-drive", "output", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd):", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd & ~self.frequency):", SWITCHED_ON[0]),
+            mutant("stays-in-drive", "output", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd):", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd & self.frequency):", SWITCHED_ON[0]),
         ),
     ),
     *(

@@ -1,30 +1,29 @@
-"""A whole channel of which some blocks are cut out: what they tell is free, or a monitor's own."""
+"""A component of which some blocks are cut out: what they tell is free, or a monitor's own."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 from unittest.mock import patch
 
 from amaranth.hdl import Module, Value
 from amaranth.lib import wiring
 
 from railgate.proving import Internals
-from railgate.vital_output.spec import Config
 
-__all__ = ["Told", "cut_channel"]
+__all__ = ["Told", "cut"]
 
 Told = Mapping[str, Mapping[str, Value]]
 """Of blocks that are cut out, by the names of their classes, what their outputs tell; those not
 named tell what they start with."""
 
 
-def cut_channel(config: Config, board: int, told: Told) -> Internals:
-    """The channel with its own wiring and all blocks but those, its inner signals to be read."""
-    from railgate.vital_output.gateware import channel
-
-    cut = {name: _cut(getattr(channel, name), outputs) for name, outputs in told.items()}
-    with patch.multiple(channel, **cut):
-        return Internals(channel.Channel(config, board))
+def cut(file: Any, name: str, arguments: tuple[Any, ...], told: Told) -> Internals:
+    """The component of that name in a file of the gateware, made with these arguments, with its own
+    wiring and all blocks but those; its inner signals, those blocks' ports too, are to be read."""
+    blocks = {block: _cut(getattr(file, block), outputs) for block, outputs in told.items()}
+    with patch.multiple(file, **blocks):
+        return Internals(getattr(file, name)(*arguments))
 
 
 def _cut(block: type[wiring.Component], told: Mapping[str, Value]) -> type[wiring.Component]:

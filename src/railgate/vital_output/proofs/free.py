@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from amaranth.hdl import Cat, Module, Value
 
 from railgate.proving import Internals, Monitor
-from railgate.vital_output.proofs.cut import Told, cut_channel
+from railgate.vital_output.proofs.cut import Told, cut
 from railgate.vital_output.spec import Config
 
 __all__ = ["Free", "widths"]
@@ -69,7 +69,10 @@ class Free(Monitor):
         }
 
     def channel(self, m: Module) -> Internals:
-        m.submodules.dut = inner = cut_channel(self.config, self.board, self.told())
+        from railgate.vital_output.gateware import channel
+
+        arguments = (self.config, self.board)
+        m.submodules.dut = inner = cut(channel, "Channel", arguments, self.told())
         m.d.comb += [inner[name].eq(getattr(self, name)) for name in PINS]
         blocks = ["vote", "storage", "shutoff"]
         blocks += [f"output_{number}" for number in range(self.config.outputs)]

@@ -74,7 +74,7 @@ class _Life(Free):
         """Follows each frame from its last byte on."""
         phase = inner["timekeeper.phase"]
         for age in (self.check_age, self.own_age, self.age):
-            m.d.sync += age.eq(age + ~age.all())
+            m.d.sync += age.eq(_older(age))
         acceptable = Cat(
             phase < CONFIG.margin_ticks, 1, phase >= CONFIG.cycle_ticks - CONFIG.margin_ticks, 0
         )
@@ -85,9 +85,9 @@ class _Life(Free):
         with m.Elif(self.check_age == CONFIG.check_ticks):
             m.d.sync += self.checks.eq(0)
         with m.If(self.accepted):
-            m.d.sync += self.own_age.eq(self.check_age + 1)
+            m.d.sync += self.own_age.eq(_older(self.check_age))
         with m.If(inner["vote.stored"]):
-            m.d.sync += self.age.eq(self.own_age + 1)
+            m.d.sync += self.age.eq(_older(self.own_age))
 
     def _bind(self, m: Module, inner: Internals) -> None:
         """The invariants of time, of the frame under check, and of the one that waits."""
@@ -170,6 +170,10 @@ class _Life(Free):
         )
 
 
+def _older(age: Signal) -> Value:
+    return age + ~age.all()
+
+
 def _longest() -> Trace:
     """A frame as early as it can be for its cycle, in a time that is as slow as it can be."""
     config = CONFIG
@@ -202,6 +206,7 @@ CLAIMS = (
         mutants=(
             mutant("a-cycle-more", "storage", "(ahead < 0)", "(ahead < -1)", LONGEST_LIFE),
             mutant("stays-at-one", "storage", "self.life_out.eq(falls & (life.value == 1))", "self.life_out.eq(0)", LONGEST_LIFE),
+            mutant("a-tick-late", "timekeeper", "self.decides.eq(self.phase == config.decision_ticks)", "self.decides.eq(self.phase == config.decision_ticks + 1)", LONGEST_LIFE),
         ),
     ),
 )
