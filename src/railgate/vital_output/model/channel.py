@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from railgate.vital_output.model.drive import drive, test
-from railgate.vital_output.model.frames import GOOD, ahead, take_byte, told, trusted
+from railgate.vital_output.model.frames import GOOD, ahead, count, take_byte, told, trusted
 from railgate.vital_output.model.link import lose, next_tick, receive, take
 from railgate.vital_output.model.messages import FIRST_MESSAGE, LATCH
 from railgate.vital_output.model.pins import seat
@@ -124,7 +124,7 @@ def note(c: Any, handshake: int, feedback: int) -> None:
     r, lowest = c.now, 0
     for cause in range(HIGHEST_CAUSE, 0, -1):
         if c.causes >> cause & 1:
-            c.counts[CAUSES + cause] += 1
+            count(c, CAUSES + cause, 1)
             lowest = cause
     if r.first_cause == 0:
         entered = 0
@@ -157,9 +157,9 @@ def unsettled(was: Any, r: Any) -> bool:
 def show(limit: Any, c: Any, tick: int, log: NDArray[Any]) -> None:
     """What the outputs are in the next tick."""
     r = c.now
-    put(log, c, READY, tick + 1 >= r.verdict_tick)
+    put(log, c, READY, int(tick + 1 >= r.verdict_tick))
     put(log, c, INDEX, r.index)
-    put(log, c, TRUSTED, trusted(limit, c.was))
+    put(log, c, TRUSTED, int(trusted(limit, c.was)))
     put(log, c, SEQUENCE, r.own.sequence)
     put(log, c, LIFE, r.life)
     put(log, c, IMAGE, r.image)
@@ -171,8 +171,10 @@ def show(limit: Any, c: Any, tick: int, log: NDArray[Any]) -> None:
     put(log, c, LATCHED, r.latched)
     put(log, c, FIRST_CAUSE, r.first_cause)
     put(log, c, FIRST_OUTPUT, r.first_output)
-    for i in range(len(COUNTERS)):
-        put(log, c, COUNTS + i, c.counts[i] & limit.count_max)
+    if c.counted:
+        for i in range(len(COUNTERS)):
+            put(log, c, COUNTS + i, c.counts[i] & limit.count_max)
+        c.counted = 0
 
 
 @njit(nogil=True)

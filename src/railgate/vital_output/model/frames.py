@@ -14,7 +14,7 @@ from numba import njit
 from railgate.vital_output.model.records import COUNTERS
 from railgate.vital_output.spec import Cause
 
-__all__ = ["GOOD", "ahead", "check", "take_byte", "told", "trusted"]
+__all__ = ["GOOD", "ahead", "check", "count", "take_byte", "told", "trusted"]
 
 GOOD = int(Cause.NONE)
 FORMAT, TIME, CORRUPTION = int(Cause.FORMAT), int(Cause.TIME), int(Cause.CORRUPTION)
@@ -106,6 +106,13 @@ def number(buffer: Any, first: int, count: int) -> int:
 
 
 @njit(nogil=True)
+def count(c: Any, counter: int, steps: int) -> None:
+    """A counter grows; it takes its width where it is shown."""
+    c.counts[counter] += steps
+    c.counted = 1
+
+
+@njit(nogil=True)
 def told(limit: Any, c: Any) -> tuple[bool, bool]:
     """The verdict on the CPU's frame is told; whether it is accepted, and whether rejected."""
     was, r = c.was, c.now
@@ -118,11 +125,11 @@ def told(limit: Any, c: Any) -> tuple[bool, bool]:
             r.reference, r.referenced = was.checked.sequence, 1
         if accepted:
             r.own, r.carries = was.checked, 1
-            c.counts[ACCEPTED] += 1
-            c.counts[LOST] += step - 1
+            count(c, ACCEPTED, 1)
+            count(c, LOST, step - 1)
             return True, False
         if not was.referenced:
-            c.counts[START] += 1
+            count(c, START, 1)
             return False, False
         verdict = REPETITION if step == 0 else RESEQUENCE if step < 0 else INSERTION
     c.causes |= 1 << verdict

@@ -120,7 +120,7 @@ def send(limit: Any, c: Any, sent: Any, sender: int, delay_ticks: int) -> int:
         s.number += 1
     begin = c.origin + FIRST_MESSAGE - 1 + s.number * limit.link_period_ticks
     s.next = begin + delay_ticks + s.bit * limit.bit_ticks
-    return level
+    return int(level)
 
 
 @njit(nogil=True)

@@ -87,7 +87,7 @@ after which that begins."""
 
 CHANNEL = record(
     "board base looped origin time due drive_due latch toggle causes boot "
-    "begun twice bytes sends receiving begins got arrival "
+    "begun twice bytes sends receiving begins got arrival counted "
     "pulses still ceased feedback contact line feedback_pin contact_pin link_pin "
     "drawn restful leapable readable calm",
     ("now", REGISTERS),
@@ -111,7 +111,7 @@ in the log. looped: whether there is a loop. time: of the edge that ends this ti
 latch, toggle: the next ticks in which anything, an output, a message's fields, a pulse may change.
 causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. sends:
 messages made. receiving, begins, got, received: of the message that comes in bit by bit; arrival:
-the tick in which `incoming` is there as a whole. still: outputs whose trains are steady; ceased:
+the tick in which `incoming` is there as a whole. counted: a counter has grown. still: outputs whose trains are steady; ceased:
 those of them that end. feedback, contact, line: what pulses, relays and wire are; …_pin: what comes
 of it at the pins. drawn: pulses are followed edge by edge; restful: but for steady ones. leapable:
 the relays always find a steady train alive; readable: the peer always reads an undisturbed message;

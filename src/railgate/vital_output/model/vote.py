@@ -6,7 +6,7 @@ from typing import Any
 
 from numba import njit
 
-from railgate.vital_output.model.frames import ahead
+from railgate.vital_output.model.frames import ahead, count
 from railgate.vital_output.model.link import peer_ok
 from railgate.vital_output.model.records import COUNTERS, NONE
 from railgate.vital_output.spec import Cause
@@ -30,7 +30,7 @@ def vote(limit: Any, c: Any, tick: int, accepted: bool, peer_accepted: bool) -> 
             and own.acknowledge == forwarded.acknowledge
         ):
             r.passed = r.open = 1
-            c.counts[PASSED] += 1
+            count(c, PASSED, 1)
         else:
             c.causes |= 1 << MISMATCH
         r.own_there, r.forwarded_there, r.expires = 0, 0, NONE
@@ -47,8 +47,8 @@ def vote(limit: Any, c: Any, tick: int, accepted: bool, peer_accepted: bool) -> 
 
 
 @njit(nogil=True)
-def store(limit: Any, c: Any) -> int:
-    """Stores the own frame when both have passed it; returns the outputs that it acknowledges."""
+def store(limit: Any, c: Any) -> tuple[bool, int]:
+    """Whether both have passed the own frame: it is stored; and the outputs that it acknowledges."""
     was, r = c.was, c.now
     if not (
         was.open
@@ -57,15 +57,15 @@ def store(limit: Any, c: Any) -> int:
         and was.peer.carries
         and was.peer.frame.sequence == was.own.sequence
     ):
-        return 0
-    c.counts[STORED] += 1
+        return False, 0
+    count(c, STORED, 1)
     r.image = 0 if was.latched else was.own.image
     r.acknowledge, r.stored_index = was.own.acknowledge, was.own.index
     r.life, r.open = limit.life_cycles, 0
-    rises: int = was.own.acknowledge & ~was.acknowledge
+    rises = was.own.acknowledge & ~was.acknowledge
     if rises:
         r.latched = r.first_cause = r.first_output = 0
-    return rises
+    return True, rises
 
 
 @njit(nogil=True)
@@ -90,11 +90,10 @@ def keep(
 ) -> int:
     """What drives, and for how long; returns the outputs that are acknowledged."""
     was, r = c.was, c.now
-    stored_before = c.counts[STORED]
-    acknowledged: int = store(limit, c)
+    stored, acknowledged = store(limit, c)
     decision = tick - was.zero == limit.decision_ticks
     if decision:
-        decide(limit, c, c.counts[STORED] != stored_before, accepted)
+        decide(limit, c, stored, accepted)
     if rejected and limit.error_interval_cycles:
         if was.errors:
             c.causes |= 0 if r.latched else 1 << LATCHED
@@ -112,4 +111,4 @@ def keep(
         r.blocked = limit.all_outputs
     elif was.life:
         r.blocked &= was.image
-    return acknowledged
+    return int(acknowledged)

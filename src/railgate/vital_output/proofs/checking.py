@@ -1,0 +1,206 @@
+"""A frame's check: good only where this very check has seen its comparator agree and disagree."""
+
+from __future__ import annotations
+
+from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value
+
+from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
+from railgate.vital_output.proofs.stimuli import Step, mutant, trace
+from railgate.vital_output.spec import Cause, Config
+from railgate.waves import Trace
+
+__all__ = ["CLAIMS"]
+
+CONFIG = Config()
+IMPLICIT = CONFIG.layout.implicit_bytes
+COVERED = IMPLICIT + CONFIG.layout.frame_bytes - 4
+TRIED = CONFIG.delay_cycles + 2
+RUNS = 2 * TRIED + 1
+COMPARED, TAKEN, SETTLED = 1, 3, CONFIG.check_overhead_ticks - 1
+"""Ticks after a run's end in which its CRC is compared, the result is kept, all is at rest."""
+FIELDS = {"sequence": 32, "image": CONFIG.outputs, "acknowledge": CONFIG.outputs}
+INPUTS = {
+    **FIELDS,
+    **{"crc": 32, "malformed": 1, "start": 1, "index": 32, "trusted": 1},
+    "phase": (CONFIG.cycle_ticks + CONFIG.slew_ticks - 1).bit_length(),
+}
+
+
+class _Check(Monitor):
+    """Bytes, comparisons and verdict of a check as the contract has them. The CRC is what the
+    engine holds after the bytes of a run.
+
+    Assumed is that a check begins only when there is none, and that of the boards and cycles tried
+    one at most gives the frame's CRC: so it is, since a CRC is linear.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(INPUTS, ("times", "feeds", "compares"))
+        self.left = Signal(range(CONFIG.check_ticks + 1))  # ticks of the check with this one
+        self.run, self.at = Signal(range(RUNS + 1), init=RUNS), Signal(range(COVERED), init=SETTLED)
+        self.index_0, self.fields, self.wanted = Signal(32), Signal(8 * (COVERED - IMPLICIT)), Signal(32)
+        self.equal = Signal(RUNS)  # the comparisons of this check
+        self.early, self.late = Signal(), Signal()
+        self.trusted_0, self.malformed_0 = Signal(), Signal()
+
+    def elaborate(self, _platform: object) -> Module:
+        from railgate.vital_output.gateware.check import FrameCheck
+
+        m = Module()
+        m.submodules.dut = inner = Internals(dut := FrameCheck(CONFIG, 0, CONFIG.margin_ticks))
+        for name in (*FIELDS, "crc", "malformed"):
+            m.d.comb += getattr(dut.frame, name).eq(getattr(self, name))
+        for name in ("start", "index", "phase", "trusted"):
+            m.d.comb += getattr(dut, name).eq(getattr(self, name))
+        self._times(m)
+
+        index = (self.index_0 + Mux(self.equal[1], 0, Mux(self.equal[2], -1, 1)))[:32]
+        acceptable = (self.equal[0] & self.early) | self.equal[1] | (self.equal[2] & self.late)
+        board, time = self._tried(index)
+        byte, first, feeds = Signal(8), Signal(), Signal()
+        told = Cat(self.fields, time, board)
+        m.d.sync += [
+            byte.eq(Array(told[8 * n : 8 * n + 8] for n in reversed(range(COVERED)))[self.at]),
+            first.eq(self.at == 0),
+            feeds.eq(self.run != RUNS),
+        ]
+        crc = inner["crc.crc"]
+        with m.If(self.start):
+            m.d.sync += self.equal.eq(0)
+        with m.Elif((self.run != 0) & (self.at == COMPARED)):
+            m.d.sync += self.equal.bit_select((self.run - 1)[: len(self.run)], 1).eq(crc == self.wanted)
+        newest = Mux((self.run != 0) & (self.at == COMPARED + 1), Const(1, RUNS) << (self.run - 1)[:4], 0)
+
+        own, other = self.equal[:TRIED], self.equal[TRIED : 2 * TRIED]
+        verdict = Mux(
+            acceptable,
+            Mux(self.equal[-1], Cause.COMPARATOR, Cause.NONE),
+            Mux(own.any(), Cause.DELAY, Mux(other.any(), Cause.MASQUERADE, Cause.CORRUPTION)),
+        )
+        cause = Mux(self.malformed_0, Cause.FORMAT, Mux(self.trusted_0, verdict, Cause.TIME))
+        good = self.left == 1
+        busy = self.left != 0
+        tried = self.equal[:-1]
+        m.d.comb += [
+            self.assumed.eq(~(self.start & (self.left > 1)) & ((tried & (tried - 1)[: len(tried)]) == 0)),
+            self.lemma.times.eq(
+                (inner["until_done.remaining"] == self.left)
+                & (self.left == Mux(busy, CONFIG.check_ticks - self.run * COVERED - self.at, 0))
+                & (self.at < COVERED)
+                & (inner["run"] == self.run)
+                & (inner["at"] == Mux(self.run == RUNS, 0, self.at))
+                & (busy | ((self.run == RUNS) & (self.at == SETTLED)))
+                & ((self.run != RUNS) | (self.at <= SETTLED))
+                & (inner["whole"] == Cat((self.run != 0) & (self.at == 0), (self.run != 0) & (self.at == 1)))
+                & (inner["judges"] == ((self.run != 0) & (self.at == 2)))
+            ),
+            self.lemma.feeds.eq(
+                ~busy
+                | (
+                    ((self.run == RUNS) | ((inner["identity"] == board) & (inner["time"] == time)))
+                    & (inner["newest"] == (self.index_0 + 1)[:32])
+                    & (inner["wanted"] == self.wanted)
+                    & (inner["fields"] == self._rotated())
+                    & (Cat(inner["malformed"], inner["trusted$2"], inner["early"], inner["late"]) == Cat(self.malformed_0, self.trusted_0, self.early, self.late))
+                )
+            ),
+            self.lemma.compares.eq(
+                ~busy
+                | (
+                    (inner["matches"] == (self.equal & ~newest))
+                    & ((newest == 0) | (inner["match"] == (self.equal & newest).any()))
+                    & (self.equal >> Mux(self.run == 0, 0, self.run - (self.at <= COMPARED))[:4] == 0)
+                    & (inner["judged"] == Mux(self.run == 0, 0, self.run - (self.at < TAKEN)))
+                )
+            ),
+            self.holds.eq(
+                (inner["valid"] == feeds)
+                & (~feeds | ((inner["data"] == byte) & (inner["start$2"] == first)))
+                & (dut.done == good)
+                & (dut.due == (self.left == 2))
+                & (
+                    ~dut.done
+                    | ((dut.cause == cause) & (dut.good == (cause == Cause.NONE)) & (~acceptable | (dut.good_index == index)))
+                )
+            ),
+            self.reached.eq(dut.done & dut.good),
+        ]
+        return m
+
+    def _times(self, m: Module) -> None:
+        """The check's runs, byte by byte, and what it has begun with."""
+        with m.If(self.start):
+            m.d.sync += [
+                self.left.eq(CONFIG.check_ticks),
+                self.run.eq(0),
+                self.at.eq(0),
+                self.index_0.eq(self.index),
+                self.fields.eq(Cat(self.acknowledge, self.image, self.sequence)),
+                self.wanted.eq(self.crc),
+                self.early.eq(self.phase >= CONFIG.cycle_ticks - CONFIG.margin_ticks),
+                self.late.eq(self.phase < CONFIG.margin_ticks),
+                self.trusted_0.eq(self.trusted),
+                self.malformed_0.eq(self.malformed),
+            ]
+        with m.Elif(self.left != 0):
+            m.d.sync += self.left.eq(self.left - 1)
+            with m.If(self.run == RUNS):
+                m.d.sync += self.at.eq(Mux(self.at == SETTLED, SETTLED, self.at + 1))
+            with m.Elif(self.at == COVERED - 1):
+                m.d.sync += [self.at.eq(0), self.run.eq(self.run + 1)]
+            with m.Else():
+                m.d.sync += self.at.eq(self.at + 1)
+
+    def _tried(self, index: Value) -> tuple[Value, Value]:
+        """Board and time of this run; the last one's are the mask and the index that was right."""
+        newest = self.index_0 + 1
+        other = self.run >= TRIED
+        board = Mux(other, CONFIG.boards[1], CONFIG.boards[0])
+        time = newest - self.run + Mux(other, TRIED, 0)
+        last = self.run == 2 * TRIED
+        masks = Array(Const(mask, 32) for mask in CONFIG.masks[0])
+        return Mux(last, masks[index[:5]], board)[:32], Mux(last, index, time[:32])[:32]
+
+    def _rotated(self) -> Value:
+        """The fields, of which the first bytes of this run have gone to the end."""
+        gone = Mux(self.at > IMPLICIT, self.at - IMPLICIT, 0)
+        turns = Array(self.fields.rotate_left(8 * n) for n in range(COVERED - IMPLICIT))
+        return Mux(self.run == RUNS, self.fields, turns[gone[:4]])
+
+
+def _checks() -> Trace:
+    """Frames of the own board and the other one, of several cycles, and one that is none."""
+    layout, steps = CONFIG.layout, []
+    values = {"sequence": 0x0123_4567, "image": 0x89AB, "acknowledge": 0x4242}
+    late, early = {"phase": 5}, {"phase": CONFIG.cycle_ticks - 5}
+    for number, (board, ago, beside) in enumerate(
+        ((0, 0, {}), (0, 1, late), (0, -1, early), (0, -1, late), (0, 2, {}), (1, 0, {}), (0, 9, {}))
+    ):
+        index = 1000 + number
+        crc = layout.crc(CONFIG.boards[board], index - ago, values)
+        told = {"start": 1, "trusted": 1, "index": index, "crc": crc, "phase": 500_000}
+        steps += [(1, told | values | beside), (CONFIG.check_ticks, {})]
+    return trace(INPUTS, steps)
+
+
+CHECKS = Run(_checks().end, _checks)
+
+
+def _mutant(name: str, old: str, new: str) -> Mutant:
+    return mutant(name, "check", old, new, CHECKS)
+
+
+CLAIMS = (
+    Claim(
+        name="vital_output.check",
+        claim="x.",
+        requirements=("DRV-2", "DRV-3"),
+        monitor=_Check,
+        method=Induction(),
+        cover=CHECKS,
+        mutants=(
+            _mutant("mask-unseen", "acceptable & matches[2 * tried]", "acceptable & matches[2 * tried - 1]"),
+            _mutant("b", "masks[self.good_index[:5]]", "masks[self.good_index[:4]]"),
+        ),
+    ),
+)
