@@ -11,7 +11,7 @@ import pytest
 from typer.models import OptionInfo
 
 from proving.counting import NeverAbove, claim
-from railgate.cli import odometer, position_link, proofs
+from railgate.cli import odometer, position_link, proofs, residual, vital_output
 from railgate.odometer.spec import Flag
 from railgate.position_link.plant import FAULTS
 from railgate.position_link.spec import Cause
@@ -148,6 +148,8 @@ COMMANDS = {
     ("simulate", "odometer"): odometer.simulate_odometer,
     ("simulate", "link"): position_link.simulate_link,
     ("decode",): position_link.decode_,
+    ("simulate", "vital"): vital_output.simulate_vital,
+    ("residual",): residual.residual_,
     ("prove",): proofs.prove_,
 }
 ELSEWHERE = {("simulate", "odometer"): ("measure",), ("decode",): ("simulate", "link")}

@@ -115,9 +115,9 @@ def test_every_word_of_the_course_can_be_read(drawn: Drawn, situation: str | Non
 
 
 def test_the_outputs_that_moved_are_drawn_at_most_three() -> None:
-    run = run_of("good")
-    assert shown(run) == [0]
-    still = replace(run, scenario=replace(run.scenario, commands=()))
-    assert shown(still) == [0]
-    assert shown(run_of("clock-off")) == [0]
+    assert shown(run_of("good")) == [0]
+    never = run_of("clock-off")
+    assert shown(replace(never, scenario=replace(never.scenario, commands=()))) == [0]
+    other = (Command(start_s=Fraction(0), image=2),)
+    assert shown(replace(never, scenario=replace(never.scenario, commands=other))) == [1]
     assert shown(busy()) == [0, 1, 2]

@@ -22,16 +22,21 @@ END = 10 * DECLARED
 
 @dataclass
 class Channel:
-    """Of a channel just what it stored: when, and the frame."""
+    """Of a channel just what it stored: when, and the frame; and the image that it had then."""
 
     stores: tuple[tuple[int, Frame], ...]
+    latched: bool = False
+
+    def wave(self, name: str) -> Waveform:
+        assert name == "image"
+        images = [0 if self.latched else frame.image for _, frame in self.stores]
+        return Waveform.of([0, *(at for at, _ in self.stores)], [0, *images], SMALL.outputs)
 
 
-def channel(*stored: tuple[int, int, int]) -> Channel:
+def channel(*stored: tuple[int, int, int], latched: bool = False) -> Channel:
     """Of the last byte's time, the time of the store, and the image."""
-    return Channel(
-        tuple((at, Frame(tick=0, at=sent, values={"image": image})) for sent, at, image in stored)
-    )
+    frames = ((at, Frame(tick=0, at=sent, values={"image": image})) for sent, at, image in stored)
+    return Channel(tuple(frames), latched)
 
 
 def closed(*spans: tuple[int, int], output: int = 0, end: int = END) -> Waveform:
@@ -68,6 +73,14 @@ def test_what_is_stored_after_the_end_of_a_span_does_not_count_for_it() -> None:
     assert judged(closed((200, opened)), late, channel()).closings[0].live == 100
     there = channel((100, 150, 1), (opened - 10, opened, 1))
     assert judged(closed((200, opened)), there, channel()).closings[0].live == opened - 10
+
+
+def test_a_1_that_a_latch_keeps_out_of_the_image_is_not_live() -> None:
+    contact = closed((200, 300 + DECLARED))
+    latched = channel((100, 150, 1), (300, 350, 1), latched=True)
+    verdict = judged(contact, channel((100, 150, 1)), latched)
+    assert verdict.closings[0].live == 100
+    assert len(verdict.violations) == 1
 
 
 def test_only_the_outputs_own_bit_counts() -> None:

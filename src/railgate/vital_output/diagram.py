@@ -15,8 +15,7 @@ from railgate.vital_output.observed import Observed
 from railgate.vital_output.picture import COLORS, FPGAS, GREY, INK, SECOND, shown
 from railgate.vital_output.simulate import Run
 from railgate.vital_output.spec import State
-from railgate.vital_output.table import seconds
-from railgate.vital_output.timeline import NAMES
+from railgate.vital_output.timeline import NAMES, seconds
 from railgate.waves import replacing
 
 __all__ = ["EDGES", "draw_states"]

@@ -14,10 +14,10 @@ from railgate.vital_output.observed import Observed
 from railgate.vital_output.simulate import Run
 from railgate.vital_output.situations import SITUATIONS
 from railgate.vital_output.spec import CAUSES, Cause, State
-from railgate.vital_output.timeline import NAMES, Event, folded, named
+from railgate.vital_output.timeline import NAMES, Event, folded, named, seconds
 from railgate.vital_output.verdict import Verdict
 
-__all__ = ["seconds", "show", "show_situations"]
+__all__ = ["show", "show_situations"]
 
 ROWS = 400
 """At most so many rows of a timeline."""
@@ -39,12 +39,6 @@ def show(run: Run) -> RenderableType:
 def show_situations() -> RenderableType:
     """What each of the built-in situations is."""
     return _grid((name, situation.does) for name, situation in SITUATIONS.items())
-
-
-def seconds(time_s: float) -> str:
-    """A time to the microsecond: `0.412 613`."""
-    told = f"{time_s:.6f}"
-    return f"{told[:-3]} {told[-3:]}"
 
 
 def _timeline(run: Run) -> Table:

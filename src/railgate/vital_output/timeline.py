@@ -17,7 +17,7 @@ from railgate.vital_output.plant.scenario import Scenario
 from railgate.vital_output.spec import Config, State, TestPhase
 from railgate.vital_output.verdict import Closing, Verdict
 
-__all__ = ["NAMES", "Event", "folded", "hexadecimal", "named", "timeline"]
+__all__ = ["NAMES", "Event", "folded", "hexadecimal", "named", "seconds", "timeline"]
 
 SECOND = 10**15
 """Femtoseconds."""
@@ -175,6 +175,12 @@ def _commands(config: Config, scenario: Scenario) -> Iterator[Event]:
 def hexadecimal(config: Config, image: int) -> str:
     """A digit for each four outputs."""
     return f"0x{image:0{-(-config.outputs // 4)}x}"
+
+
+def seconds(time_s: float) -> str:
+    """A time to the microsecond: `0.412 613`."""
+    told = f"{time_s:.6f}"
+    return f"{told[:-3]} {told[-3:]}"
 
 
 def _channel(channel: Observed) -> Iterator[Event]:

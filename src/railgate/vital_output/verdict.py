@@ -96,22 +96,27 @@ def judge(config: Config, contact: Waveform, end: int, channels: Sequence[Observ
 
 @dataclass(frozen=True)
 class _Stores:
-    """Of each frame that a channel stored: when it was stored, when its last byte came, what it
-    commands."""
+    """Of each frame that a channel stored: when it was stored, when its last byte came, which
+    outputs it commands 0, and which 1: live is only what the image then has too, not what a latch
+    keeps out."""
 
     at: Ticks
     sent: Ticks
-    images: NDArray[np.uint64]
+    zeros: NDArray[np.uint64]
+    ones: NDArray[np.uint64]
 
     @classmethod
     def of(cls, channel: Observed) -> _Stores:
         rows = [(at, frame.at, frame.image) for at, frame in channel.stores]
         at, sent, images = zip(*rows, strict=True) if rows else ((), (), ())
-        return cls(np.array(at, np.int64), np.array(sent, np.int64), np.array(images, np.uint64))
+        commands, when = np.array(images, np.uint64), np.array(at, np.int64)
+        live = channel.wave("image").at(when).astype(np.uint64)
+        return cls(when, np.array(sent, np.int64), ~commands, commands & live)
 
     def sent_by(self, end: int, output: int, bit: int) -> list[int]:
-        """The last bytes of those that were stored by `end` and have this bit for the output."""
-        has = (self.images >> np.uint64(output) & np.uint64(1)) == bit
+        """The last bytes of those that were stored by `end` and command the output this bit."""
+        commands = self.ones if bit else self.zeros
+        has = (commands >> np.uint64(output) & np.uint64(1)) == 1
         sent: list[int] = self.sent[has & (self.at <= end)].tolist()
         return sent
 

@@ -71,7 +71,7 @@ def driving():
             "receiver.peer_test": TestPhase.DONE,
             "receiver.peer_codes": sum(Code.DRIVE << 2 * output for output in range(N)),
             "storage.blocked": 0,
-            "status.first_cause": Cause.NONE,
+            "status.first_link_lost": 0,
         }
         | twin("storage.held_life", CONFIG.life_cycles, 4)
         | twin("storage.held_image", ONES, N),

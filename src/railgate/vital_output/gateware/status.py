@@ -16,6 +16,7 @@ __all__ = ["Status"]
 
 COUNTED = ("accepted", "start", "passed", "stored")
 ALARMS = (Cause.HANDSHAKE_ALARM, Cause.FEEDBACK_ALARM)
+NAMES = [cause.name.lower() for cause in CAUSES]
 
 
 class Status(wiring.Component):
@@ -24,7 +25,8 @@ class Status(wiring.Component):
     One in for each cause, of its name: 1 bit, event; of an alarm one bit an output. accepted,
     start, passed, stored: in, 1 bit each, events. lost: in, frames that one accepted in this tick
     tells lost. acknowledged: in, 1 bit, event, an output is.
-    first_cause, first_output, and a counter of each: out, registers, see Config.fields.
+    first_cause, first_output: out, decoded from registers, and a counter of each: out, registers,
+    see Config.fields.
     """
 
     def __init__(self, config: Config) -> None:
@@ -46,29 +48,25 @@ class Status(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        names = [cause.name.lower() for cause in CAUSES]
-        for name in (*COUNTED, *names):
+        for name in (*COUNTED, *NAMES):
             count = getattr(self, f"{name}_count")
-            m.d.sync += count.eq(count + getattr(self, name).any())
+            with m.If(getattr(self, name).any()):
+                m.d.sync += count.eq(count + 1)
         with m.If(self.accepted):
             m.d.sync += self.lost_count.eq(self.lost_count + self.lost)
 
-        causes = Signal(len(CAUSES))
-        m.d.comb += causes.eq(Cat(getattr(self, name).any() for name in names))
-        with m.If(self.acknowledged | (self.first_cause == Cause.NONE)):
-            m.d.sync += [
-                self.first_cause.eq(_chosen(causes, CAUSES)),
-                self.first_output.eq(self._first_output(causes)),
-            ]
+        # Events come late in their tick: they are kept as they are, and chosen from afterwards.
+        first = {name: Signal(len(getattr(self, name)), name=f"first_{name}") for name in NAMES}
+        causes = Cat(bits.any() for bits in first.values())
+        with m.If(self.acknowledged | ~causes.any()):
+            m.d.sync += [bits.eq(getattr(self, name)) for name, bits in first.items()]
+        m.d.comb += self.first_cause.eq(_chosen(causes, CAUSES))
+        with m.Switch(self.first_cause):
+            for cause in ALARMS:
+                outputs = first[cause.name.lower()]
+                with m.Case(cause):
+                    m.d.comb += self.first_output.eq(_chosen(outputs, range(len(outputs))))
         return m
-
-    def _first_output(self, causes: Signal) -> Value:
-        """The lowest one that enters the alarm which is the first cause, else 0."""
-        numbers = range(self._config.outputs)
-        handshake = _chosen(self.handshake_alarm, numbers)
-        feedback = _chosen(self.feedback_alarm, numbers)
-        before = causes[: CAUSES.index(Cause.HANDSHAKE_ALARM)].any()
-        return Mux(before, 0, Mux(self.handshake_alarm.any(), handshake, feedback))
 
 
 def _chosen(bits: Value, numbers: Sequence[int]) -> Value:

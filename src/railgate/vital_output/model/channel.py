@@ -12,7 +12,7 @@ from railgate.vital_output.model.frames import GOOD, ahead, count, take_byte, to
 from railgate.vital_output.model.link import lose, next_tick, receive, take
 from railgate.vital_output.model.messages import FIRST_MESSAGE, LATCH
 from railgate.vital_output.model.pins import seat
-from railgate.vital_output.model.records import COUNTERS, FAR, INPUTS, SIGNALS
+from railgate.vital_output.model.records import COUNTERS, FAR, INPUTS, SIGNALS, places
 from railgate.vital_output.model.vote import keep, vote
 from railgate.vital_output.spec import Cause, State
 
@@ -22,14 +22,12 @@ PAYLOAD, VALID = INPUTS.index("command.payload"), INPUTS.index("command.valid")
 TIME_INDEX, TIME_PHASE = INPUTS.index("time.index"), INPUTS.index("time.phase")
 TIME_VALID, BOOT, TEST = (INPUTS.index(name) for name in ("time.valid", "boot", "test"))
 
-READY, LINK_TX = SIGNALS.index("command.ready"), SIGNALS.index("link_tx")
-INDEX, TRUSTED = SIGNALS.index("index"), SIGNALS.index("trusted")
-SEQUENCE, LIFE, IMAGE = (SIGNALS.index(name) for name in ("sequence", "life", "image"))
-ACKNOWLEDGE, STATES = SIGNALS.index("acknowledge"), SIGNALS.index("states.0")
-BLOCKED, TEST_PHASE = SIGNALS.index("blocked"), SIGNALS.index("test_phase")
-LINKED, DRIFTING, LATCHED = (SIGNALS.index(name) for name in ("linked", "drifting", "latched"))
-FIRST_CAUSE, FIRST_OUTPUT = SIGNALS.index("first_cause"), SIGNALS.index("first_output")
-COUNTS, CAUSES = SIGNALS.index("accepted_count"), COUNTERS.index("format") - 1
+READY, LINK_TX, INDEX, TRUSTED = places("command.ready", "link_tx", "index", "trusted")
+SEQUENCE, LIFE, IMAGE, ACKNOWLEDGE = places("sequence", "life", "image", "acknowledge")
+STATES, BLOCKED, TEST_PHASE, LINKED = places("states.0", "blocked", "test_phase", "linked")
+DRIFTING, LATCHED, FIRST_CAUSE = places("drifting", "latched", "first_cause")
+FIRST_OUTPUT, COUNTS = places("first_output", "accepted_count")
+CAUSES = COUNTERS.index("format") - 1
 
 TIME_JUMP, FORWARD = int(Cause.TIME_JUMP), int(Cause.FORWARD)
 HANDSHAKE_ALARM, FEEDBACK_ALARM = int(Cause.HANDSHAKE_ALARM), int(Cause.FEEDBACK_ALARM)
@@ -62,7 +60,7 @@ def begin(limit: Any, c: Any, held: NDArray[Any], tick: int) -> None:
     for sender in range(2):
         s = c.senders[sender]
         s.number = s.bit = 0
-        s.next = tick + FIRST_MESSAGE - 1 + (limit.delay_ticks if sender else 0)
+        s.next = tick + FIRST_MESSAGE - 1 + s.delay
     if not c.wanted[LINK_TX]:
         c.senders[0].next = FAR
     if not c.looped:
@@ -71,9 +69,12 @@ def begin(limit: Any, c: Any, held: NDArray[Any], tick: int) -> None:
         o = c.outputs[i]
         o.state, o.entered, o.left = IDLE, tick, 0
         o.since, o.until, o.toggle, o.regular, o.steady = FAR, FAR, FAR, 0, 0
-        seat(c.feedback_pins[i], c.feedback_pin >> i & 1)
-        seat(c.contact_pins[i], c.contact_pin >> i & 1)
-    seat(c.link, c.link_pin)
+        seat(c.feedback_pins[i])
+        seat(c.contact_pins[i])
+        c.feedback_pins[i].level = c.feedback_pin >> i & 1
+        c.contact_pins[i].level = c.contact_pin >> i & 1
+    seat(c.link)
+    c.link.level = c.link_pin
     for i in range(len(COUNTERS)):
         c.counts[i] = 0
 
@@ -124,7 +125,7 @@ def note(c: Any, handshake: int, feedback: int) -> None:
     r, lowest = c.now, 0
     for cause in range(HIGHEST_CAUSE, 0, -1):
         if c.causes >> cause & 1:
-            count(c, CAUSES + cause, 1)
+            count(c, CAUSES + cause)
             lowest = cause
     if r.first_cause == 0:
         entered = 0

@@ -29,19 +29,22 @@ SETTLED = 3
 
 
 @njit(nogil=True)
-def counted(limit: Any, c: Any, first: int, second: int, third: int, fourth: int) -> int:
-    """How many outputs are in one of these states."""
-    found = 0
+def quiet(limit: Any, c: Any) -> bool:
+    """Whether each output is IDLE or in an alarm."""
     for i in range(limit.outputs):
         state = c.outputs[i].state
-        found += state == first or state == second or state == third or state == fourth
-    return found
+        if not (state == IDLE or state == HANDSHAKE_ALARM or state == FEEDBACK_ALARM):
+            return False
+    return True
 
 
 @njit(nogil=True)
-def quiet(limit: Any, c: Any) -> bool:
-    there = counted(limit, c, IDLE, HANDSHAKE_ALARM, FEEDBACK_ALARM, IDLE)
-    return there == limit.outputs
+def tested(limit: Any, c: Any) -> bool:
+    """Whether no output is TEST or WAIT any more."""
+    for i in range(limit.outputs):
+        if c.outputs[i].state == TEST or c.outputs[i].state == WAIT:
+            return False
+    return True
 
 
 @njit(nogil=True)
@@ -54,7 +57,7 @@ def test(limit: Any, c: Any, asked: bool, booted: bool) -> bool:
     if phase == WANTED and ok and ready and quiet(limit, c):
         r.test_phase = RUNNING
         return True
-    if phase == RUNNING and counted(limit, c, TEST, WAIT, TEST, TEST) == 0:
+    if phase == RUNNING and tested(limit, c):
         r.test_phase = DONE
     elif done and (booted if leads else ok and (peer == WANTED or peer == RUNNING)):
         r.test_phase = WANTED

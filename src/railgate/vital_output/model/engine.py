@@ -96,7 +96,7 @@ class Leap:
         self._wires = {wire.name: wire for wire in signals[0]}
         self._outputs = {output.name: output for output in signals[1]}
         self._ports = [Port(w.name, w.width, False, False, (w.name,)) for w in signals[0]]
-        self._limits = limits(config, delay_ticks)
+        self._limits = limits(config)
         self._clocks = [clock_of(clock, base) for clock in clocks]
         self._log = np.empty((LOG_ROWS, 3), np.int64)
         self._reach = ceil(max(clock.period / base for clock in clocks))

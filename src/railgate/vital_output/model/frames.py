@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 
 from railgate.vital_output.model.records import COUNTERS
@@ -21,9 +22,11 @@ FORMAT, TIME, CORRUPTION = int(Cause.FORMAT), int(Cause.TIME), int(Cause.CORRUPT
 DELAY, MASQUERADE = int(Cause.DELAY), int(Cause.MASQUERADE)
 REPETITION, RESEQUENCE = int(Cause.REPETITION), int(Cause.RESEQUENCE)
 INSERTION = int(Cause.INSERTION)
-ACCEPTED, START, LOST = (COUNTERS.index(name) for name in ("accepted", "start", "lost"))
+ACCEPTED, START = np.int64(COUNTERS.index("accepted")), np.int64(COUNTERS.index("start"))
+LOST = COUNTERS.index("lost")
 
 WORD = (1 << 32) - 1
+NUMBER_BYTES, NOTHING = np.int64(4), np.int64(0)
 FIRST, LAST = 1 << 8, 1 << 9
 
 
@@ -55,7 +58,8 @@ def check(limit: Any, was: Any, tick: int, frame: Any, board: int, late_ticks: i
         return TIME
     behind = backwards(limit, frame.crc, frame.acknowledge, limit.image_bytes)
     behind = backwards(limit, behind, frame.image, limit.image_bytes)
-    behind = backwards(limit, backwards(limit, behind, frame.sequence, 4), 0, 4)
+    behind = backwards(limit, behind, frame.sequence, NUMBER_BYTES)
+    behind = backwards(limit, behind, NOTHING, NUMBER_BYTES)
     phase = tick - was.zero
     frame.index = behind ^ limit.begun[board]
     step = ahead(frame.index, was.index)
@@ -90,10 +94,10 @@ def take_byte(limit: Any, c: Any, payload: int, tick: int) -> None:
 @njit(nogil=True)
 def read(limit: Any, buffer: Any, frame: Any) -> bool:
     """The fields of a frame; whether all bits beyond the outputs are 0."""
-    size = limit.image_bytes
-    frame.sequence, frame.image = number(buffer, 0, 4), number(buffer, 4, size)
-    frame.acknowledge = number(buffer, 4 + size, size)
-    frame.crc = number(buffer, 4 + 2 * size, 4)
+    size, image = limit.image_bytes, NUMBER_BYTES
+    frame.sequence, frame.image = number(buffer, NOTHING, image), number(buffer, image, size)
+    frame.acknowledge = number(buffer, image + size, size)
+    frame.crc = number(buffer, image + 2 * size, NUMBER_BYTES)
     return (frame.image | frame.acknowledge) & ~limit.all_outputs == 0
 
 
@@ -106,9 +110,9 @@ def number(buffer: Any, first: int, count: int) -> int:
 
 
 @njit(nogil=True)
-def count(c: Any, counter: int, steps: int) -> None:
-    """A counter grows; it takes its width where it is shown."""
-    c.counts[counter] += steps
+def count(c: Any, counter: int) -> None:
+    """A counter grows by 1; it takes its width where it is shown."""
+    c.counts[counter] += 1
     c.counted = 1
 
 
@@ -125,11 +129,11 @@ def told(limit: Any, c: Any) -> tuple[bool, bool]:
             r.reference, r.referenced = was.checked.sequence, 1
         if accepted:
             r.own, r.carries = was.checked, 1
-            count(c, ACCEPTED, 1)
-            count(c, LOST, step - 1)
+            count(c, ACCEPTED)
+            c.counts[LOST] += step - 1
             return True, False
         if not was.referenced:
-            count(c, START, 1)
+            count(c, START)
             return False, False
         verdict = REPETITION if step == 0 else RESEQUENCE if step < 0 else INSERTION
     c.causes |= 1 << verdict

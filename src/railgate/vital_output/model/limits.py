@@ -22,9 +22,10 @@ OWN = (
     "skew_ticks not_yet_driving_ticks error_interval_cycles zero_at_once digest link_polynomial"
 )
 LIMITS = record(
-    f"{OWN} frame_bytes image_bytes message_bits late_ticks count_max all_outputs delay_ticks",
+    f"{OWN} frame_bytes image_bytes message_bits late_ticks count_max all_outputs",
     ("boards", np.int64, 2),
     ("begun", np.int64, 2),
+    ("widths", np.int64, len(Config().layout.message)),
     ("table", np.int64, 256),
     ("inverse", np.int64, 256),
     ("starts", np.int64, len(SIGNALS)),
@@ -32,14 +33,14 @@ LIMITS = record(
 )
 """Numbers of the configuration by their names, and what is made of them.
 
-late_ticks: the margin of a forwarded frame. all_outputs: a bit for each. delay_ticks: of the line.
-begun: the CRC's register behind each board's ID. table: what a byte at its top adds to it; inverse:
+late_ticks: the margin of a forwarded frame. all_outputs: a bit for each. widths: of a
+message's fields. begun: the CRC's register behind each board's ID. table: what a byte at its top adds to it; inverse:
 which byte that was, by the lowest byte of what it has added. starts: what is shown at start;
 blank: the registers that are then.
 """
 
 
-def limits(config: Config, delay_ticks: int) -> Any:
+def limits(config: Config) -> Any:
     """Shape (1,), LIMITS."""
     made = np.zeros(1, LIMITS)
     for name in OWN.split():
@@ -51,7 +52,7 @@ def limits(config: Config, delay_ticks: int) -> Any:
     made["late_ticks"] = config.margin_ticks + config.latency_ticks
     made["count_max"] = (1 << config.count_bits) - 1
     made["all_outputs"] = signed((1 << config.outputs) - 1)
-    made["delay_ticks"] = delay_ticks
+    made["widths"] = [field.width for field in layout.message]
     made["boards"] = config.boards
     made["begun"] = [layout.check.of(board, 32) for board in config.boards]
     plain = Check(width=32, polynomial=config.polynomial)

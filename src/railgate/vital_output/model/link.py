@@ -71,7 +71,7 @@ def receive(limit: Any, c: Any, tick: int) -> bool:
         c.receiving = 0
     if c.receiving and tick == complete_tick(limit, c.begins):
         c.receiving = 0
-        right, digest = read(limit, c.received, 1 - c.board, c.incoming)
+        right, digest = read(limit, c.received, 1 - c.board, c.incoming, c.values)
         there = right and digest == limit.digest
         if not there:
             c.causes |= 1 << (LINK_DIGEST if right else LINK_CHECK)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from railgate.vital_output.spec import State
+from railgate.vital_output.spec import Config, State
 
 __all__ = ["FIRST_MESSAGE", "LATCH", "latch", "read", "resume", "send"]
 
@@ -18,6 +19,12 @@ FIRST_MESSAGE = 8
 """The tick in which the first one begins."""
 LATCH = 2
 """So many ticks before it begins a message is made."""
+
+FIELDS = tuple(field.name for field in Config().layout.message)
+NUMBER, BOOT, DIGEST, TEST = (FIELDS.index(n) for n in ("number", "boot", "digest", "test"))
+CODES, CARRIES, PASSED = (FIELDS.index(name) for name in ("codes", "carries", "passed"))
+SEQUENCE, IMAGE, ACKNOWLEDGE = (FIELDS.index(n) for n in ("sequence", "image", "acknowledge"))
+FRAME_CRC, CRC = FIELDS.index("frame_crc"), FIELDS.index("crc")
 CRC_BITS = 32
 
 
@@ -38,21 +45,6 @@ def latch(limit: Any, c: Any, message: Any) -> None:
 
 
 @njit(nogil=True)
-def put(bits: NDArray[Any], at: int, value: int, width: int) -> int:
-    for i in range(width):
-        bits[at + i] = value >> width - 1 - i & 1
-    return at + width
-
-
-@njit(nogil=True)
-def take(bits: NDArray[Any], at: int, width: int) -> int:
-    value = 0
-    for i in range(at, at + width):
-        value = value << 1 | bits[i]
-    return value
-
-
-@njit(nogil=True)
 def crc(limit: Any, bits: NDArray[Any], board: int) -> int:
     """Over all fields of a message of this board but the CRC."""
     register = limit.boards[board]
@@ -64,54 +56,65 @@ def crc(limit: Any, bits: NDArray[Any], board: int) -> int:
 
 
 @njit(nogil=True)
-def draw(limit: Any, message: Any, board: int, bits: NDArray[Any]) -> None:
-    """The bits of a message of this board, its start bit, and behind all of them the idle line."""
-    at = put(bits, 0, 0, 1)
-    at = put(bits, at, message.number, 8)
-    at = put(bits, at, message.boot, 16)
-    at = put(bits, at, limit.digest, 32)
-    at = put(bits, at, message.test, 2)
-    for i in range(limit.outputs - 1, -1, -1):
-        at = put(bits, put(bits, at, message.high >> i, 1), message.low >> i, 1)
-    at = put(bits, put(bits, at, message.carries, 1), message.passed, 1)
-    at = put(bits, at, message.frame.sequence, 32)
-    at = put(bits, at, message.frame.image, limit.outputs)
-    at = put(bits, at, message.frame.acknowledge, limit.outputs)
-    at = put(bits, at, message.frame.crc, 32)
-    at = put(bits, at, crc(limit, bits, board), CRC_BITS)
+def draw(limit: Any, message: Any, board: int, bits: NDArray[Any], values: NDArray[Any]) -> None:
+    """The bits of a message of this board, its start bit, and behind all of them the idle line.
+
+    values: of its fields, as they are drawn.
+    """
+    frame, at = message.frame, 1
+    values[NUMBER], values[BOOT], values[TEST] = message.number, message.boot, message.test
+    values[DIGEST], values[CARRIES], values[PASSED] = limit.digest, message.carries, message.passed
+    values[SEQUENCE], values[FRAME_CRC] = frame.sequence, frame.crc
+    values[IMAGE], values[ACKNOWLEDGE] = frame.image, frame.acknowledge
+    bits[0] = 0
+    for i in range(len(FIELDS)):
+        if i == CODES:
+            for output in range(limit.outputs - 1, -1, -1):
+                bits[at] = message.high >> output & 1
+                bits[at + 1] = message.low >> output & 1
+                at += 2
+            continue
+        value = crc(limit, bits, board) if i == CRC else values[i]
+        for place in range(limit.widths[i] - 1, -1, -1):
+            bits[at] = value >> place & 1
+            at += 1
     bits[at] = 1
 
 
 @njit(nogil=True)
-def read(limit: Any, bits: NDArray[Any], board: int, message: Any) -> tuple[bool, int]:
+def read(
+    limit: Any, bits: NDArray[Any], board: int, message: Any, values: NDArray[Any]
+) -> tuple[bool, int]:
     """The fields of a message; whether its CRC is right for this board, and its digest."""
-    message.number, message.boot = take(bits, 1, 8), take(bits, 9, 16)
-    digest, message.test = take(bits, 25, 32), take(bits, 57, 2)
-    at = 59
+    frame, at = message.frame, 1
     message.low = message.high = 0
-    for _ in range(limit.outputs):
-        message.high = message.high << 1 | bits[at]
-        message.low = message.low << 1 | bits[at + 1]
-        at += 2
-    message.carries, message.passed = bits[at], bits[at + 1]
-    frame, at, outputs = message.frame, at + 2, limit.outputs
-    frame.sequence, frame.image = take(bits, at, 32), take(bits, at + 32, outputs)
-    frame.acknowledge = take(bits, at + 32 + outputs, outputs)
-    at += 32 + 2 * outputs
-    frame.crc = take(bits, at, 32)
-    return take(bits, at + 32, CRC_BITS) == crc(limit, bits, board), digest
+    for i in range(len(FIELDS)):
+        values[i] = 0
+        if i == CODES:
+            for _ in range(limit.outputs):
+                message.high = message.high << 1 | bits[at]
+                message.low = message.low << 1 | bits[at + 1]
+                at += 2
+            continue
+        for _ in range(limit.widths[i]):
+            values[i] = values[i] << 1 | bits[at]
+            at += 1
+    message.number, message.boot, message.test = values[NUMBER], values[BOOT], values[TEST]
+    message.carries, message.passed = values[CARRIES], values[PASSED]
+    frame.sequence, frame.crc = values[SEQUENCE], values[FRAME_CRC]
+    frame.image, frame.acknowledge = values[IMAGE], values[ACKNOWLEDGE]
+    return values[CRC] == crc(limit, bits, board), values[DIGEST]
 
 
 @njit(nogil=True)
-def send(limit: Any, c: Any, sent: Any, sender: int, delay_ticks: int) -> int:
-    """After this tick a bit begins, or the quiet behind them; returns the level of the line.
+def send(limit: Any, c: Any, s: Any, sent: Any) -> int:
+    """After this tick a bit of a sender's begins, or the quiet behind them; returns its level.
 
     sent: the messages that may still be on their way, each at its number modulo their count.
     """
-    s = c.senders[sender]
     if s.bit == 0:
-        draw(limit, sent[s.number % sent.size], c.board, s.bits)
-    level, last = s.bits[s.bit], limit.message_bits
+        draw(limit, sent[s.number % sent.size], c.board, s.bits, c.values)
+    level, last = np.int64(s.bits[s.bit]), limit.message_bits
     s.bit += 1
     while s.bit <= last and s.bits[s.bit] == level:
         s.bit += 1
@@ -119,17 +122,16 @@ def send(limit: Any, c: Any, sent: Any, sender: int, delay_ticks: int) -> int:
         s.bit = 0
         s.number += 1
     begin = c.origin + FIRST_MESSAGE - 1 + s.number * limit.link_period_ticks
-    s.next = begin + delay_ticks + s.bit * limit.bit_ticks
-    return int(level)
+    s.next = begin + s.delay + s.bit * limit.bit_ticks
+    return level
 
 
 @njit(nogil=True)
-def resume(limit: Any, c: Any, sent: Any, sender: int, tick: int) -> int:
-    """All that was sent in ticks before `tick`, without a delay; returns the level of the line."""
-    s, level = c.senders[sender], 1
-    first = c.origin + FIRST_MESSAGE - 1
+def resume(limit: Any, c: Any, s: Any, sent: Any, tick: int) -> int:
+    """All that a sender has sent in ticks before `tick`; returns the level of the line."""
+    level, first = 1, c.origin + FIRST_MESSAGE - 1 + s.delay
     s.number, s.bit = max(0, (tick - 1 - first) // limit.link_period_ticks), 0
     s.next = first + s.number * limit.link_period_ticks
     while s.next < tick:
-        level = send(limit, c, sent, sender, 0)
+        level = send(limit, c, s, sent)
     return level

@@ -72,6 +72,7 @@ class PairModel(Leap):
     def _start(self) -> Any:
         config, relay = self._config, self._relay
         record = super()._start()
+        record["channels"]["senders"]["delay"] = (0, self._delay)
         record["loop"] = record["channels"]["looped"] = record["channels"]["line"] = 1
         period = round(Fraction(config.period_ticks * relay.clock_hz, config.clock_hz))
         low = ceil(period * (1 - config.pulse_tolerance))

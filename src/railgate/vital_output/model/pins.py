@@ -12,9 +12,9 @@ __all__ = ["alive", "head", "pop", "push", "seat", "turn"]
 
 
 @njit(nogil=True)
-def seat(pin: Any, level: int) -> None:
-    """All as at start, with this level."""
-    pin.level, pin.rise, pin.right, pin.count = level, NONE, 0, 0
+def seat(pin: Any) -> None:
+    """All as at start."""
+    pin.level, pin.rise, pin.right, pin.count = 0, NONE, 0, 0
 
 
 @njit(nogil=True)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from railgate.vital_output.model.clocks import CLOCK
-from railgate.vital_output.spec import CAUSES
+from railgate.vital_output.spec import CAUSES, Config
 
-__all__ = ["COUNTERS", "FAR", "INPUTS", "MESSAGE", "NONE", "OUTPUTS", "SIGNALS", "STATE"]
+__all__ = ["COUNTERS", "FAR", "INPUTS", "MESSAGE", "NONE", "OUTPUTS", "SIGNALS", "STATE", "places"]
 
 FAR = 1 << 62
 """Later than every tick."""
@@ -44,6 +44,12 @@ SIGNALS = (
     *(f"{name}_count" for name in COUNTERS),
 )
 """What a channel shows, in this order; `states` in as many parts as it needs."""
+
+
+def places(*names: str) -> list[np.int64]:
+    """Of these SIGNALS. No int: numba compiles a kernel anew for each one that it is given."""
+    return [np.int64(SIGNALS.index(name)) for name in names]
+
 
 Part = tuple[str, Any] | tuple[str, Any, int]
 
@@ -81,9 +87,9 @@ OUTPUT = record("state entered left since until toggle regular steady")
 `toggle` its pulse changes next. regular: rises in a row that nothing has disturbed; steady: the
 train needs no attention until something disturbs it."""
 
-SENDER = record("number bit next", ("bits", np.int8, BITS))
+SENDER = record("number bit next delay", ("bits", np.int8, BITS))
 """A message that goes out: its number, its next bit that differs from the one before, the tick
-after which that begins."""
+after which that begins, `delay` ticks later than on link_tx."""
 
 CHANNEL = record(
     "board base looped origin time due drive_due latch toggle causes boot "
@@ -100,6 +106,7 @@ CHANNEL = record(
     ("senders", SENDER, 2),
     ("buffer", np.int64, 24),
     ("received", np.int8, BITS),
+    ("values", np.int64, len(Config().layout.message)),
     ("counts", np.int64, len(COUNTERS)),
     ("shown", np.int64, len(SIGNALS)),
     ("wanted", np.int64, len(SIGNALS)),
@@ -109,7 +116,7 @@ CHANNEL = record(
 now: its registers; was: as they were in the tick that is under way. base: where its signals begin
 in the log. looped: whether there is a loop. time: of the edge that ends this tick. due, drive_due,
 latch, toggle: the next ticks in which anything, an output, a message's fields, a pulse may change.
-causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. sends:
+causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. values: of a message's fields. sends:
 messages made. receiving, begins, got, received: of the message that comes in bit by bit; arrival:
 the tick in which `incoming` is there as a whole. counted: a counter has grown. still: outputs whose trains are steady; ceased:
 those of them that end. feedback, contact, line: what pulses, relays and wire are; …_pin: what comes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -13,6 +14,7 @@ from railgate.vital_output.model.wires import RELAYS, ROGUES, feed, label, repin
 
 __all__ = ["CONTACT", "begin_relays", "halt_relays", "tick_of_relays"]
 
+ALL_OPEN = np.int64(0)
 WELDED, BROKEN = INPUTS.index("welded"), INPUTS.index("broken")
 
 CONTACT = 2 * len(SIGNALS)
@@ -27,7 +29,7 @@ def begin_relays(st: Any, limit: Any, tick: int) -> None:
     for d in range(2):
         r.fed[d] = 0
         for i in range(limit.outputs):
-            seat(r.stages[d, i], 0)
+            seat(r.stages[d, i])
         feed(st, limit, d, tick)
     for i in range(limit.outputs):
         r.apart[i] = FAR
@@ -38,7 +40,7 @@ def halt_relays(st: Any, limit: Any, time: int, log: NDArray[Any]) -> None:
     """Reset: from the next tick on the contacts are open."""
     st.relays.due = FAR
     if st.relays.contact:
-        switch(st, limit, 0, time, log)
+        switch(st, limit, ALL_OPEN, time, log)
 
 
 @njit(nogil=True)
@@ -52,7 +54,7 @@ def switch(st: Any, limit: Any, contact: int, time: int, log: NDArray[Any]) -> N
     for d in range(2):
         c, domain = st.channels[d], st.domains[d]
         c.contact = contact
-        repin(limit, c, domain.held, label(st, d, time), domain.resetting == 1)
+        repin(limit, c, domain, label(st, d, time))
 
 
 @njit(nogil=True)

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from railgate.vital_output.model.channel import put
 from railgate.vital_output.model.clocks import edge, sampled
 from railgate.vital_output.model.pins import head, push, seat, turn
-from railgate.vital_output.model.records import FAR, INPUTS, SIGNALS
+from railgate.vital_output.model.records import FAR, INPUTS, places
 from railgate.vital_output.model.trains import reckon
 from railgate.vital_output.model.wires import (
     FLIP_FLOPS,
+    NO_FILTER,
     OPEN,
     RELAYS,
     ROGUES,
@@ -30,7 +31,7 @@ from railgate.vital_output.model.wires import (
 
 __all__ = ["cease", "disturb", "turn_pulses"]
 
-PULSES = SIGNALS.index("pulses")
+(PULSES,) = places("pulses")
 PERIODS = 3
 """After so many feedback and stage do not remember what was before."""
 
@@ -52,7 +53,7 @@ def turn_pulses(st: Any, limit: Any, d: int, tick: int, log: NDArray[Any]) -> No
     put(log, c, PULSES, c.pulses)
     if c.looped and c.pulses != before:
         c.feedback = c.pulses
-        repin(limit, c, st.domains[d].held, tick + 1, False)
+        repin(limit, c, st.domains[d], tick + 1)
         feed(st, limit, d, sampled(st.clocks[RELAYS], c.time))
 
 
@@ -98,9 +99,9 @@ def rouse(st: Any, limit: Any, d: int, i: int, time: int) -> None:
     delay = 1 + limit.input_stages + limit.feedback_filter_ticks
     tick = last - (last - o.since) % limit.period_ticks - PERIODS * limit.period_ticks
     staged, level = r.still[d] & bit != 0, 0
-    seat(pin, 0)
+    seat(pin)
     if staged:
-        seat(stage, 0)
+        seat(stage)
     while tick <= last:
         level ^= 1
         push(pin, tick + delay, limit.feedback_filter_ticks)
@@ -108,7 +109,7 @@ def rouse(st: Any, limit: Any, d: int, i: int, time: int) -> None:
             turn(pin, head(pin), limit.period_low_ticks, limit.period_high_ticks)
         if staged:
             at = sampled(st.clocks[RELAYS], edge(st.clocks[d], tick + domain.skipped))
-            push(stage, at + FLIP_FLOPS, 0)
+            push(stage, at + FLIP_FLOPS, NO_FILTER)
             while head(stage) <= relays_last:
                 turn(stage, head(stage), r.low, r.high)
         tick += limit.half_period_ticks if level else limit.period_ticks - limit.half_period_ticks

@@ -6,13 +6,14 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from railgate.vital_output.model.channel import begin, halt, put, tick_of_channel
 from railgate.vital_output.model.clocks import edge, sampled
 from railgate.vital_output.model.messages import latch, resume, send
-from railgate.vital_output.model.records import FAR, INPUTS, NONE, SIGNALS
+from railgate.vital_output.model.records import FAR, INPUTS, NONE, SIGNALS, places
 from railgate.vital_output.model.relays import begin_relays, halt_relays, tick_of_relays
 from railgate.vital_output.model.resting import cease, disturb, turn_pulses
 from railgate.vital_output.model.trains import reckon
@@ -32,7 +33,8 @@ __all__ = ["LOG_ROOM", "run"]
 
 RST, STOPPED = INPUTS.index("rst"), INPUTS.index("stopped")
 LINK_RX, FEEDBACK, CONTACT = (INPUTS.index(n) for n in ("link_rx", "pulse_feedback", "contact"))
-LINK_TX, PULSES = SIGNALS.index("link_tx"), SIGNALS.index("pulses")
+LINK_TX, PULSES = places("link_tx", "pulses")
+ALL, QUIET = np.int64(-1), np.int64(1)
 
 LOG_ROOM = 4 * len(SIGNALS)
 """More rows than the log grows by at one time."""
@@ -50,7 +52,7 @@ def open_piece(st: Any, limit: Any, sent: Any, now: int) -> None:
             tick = passed(st, d, now) + 1
             c.due = c.drive_due = tick
             if c.wanted[LINK_TX]:
-                c.shown[LINK_TX] = resume(limit, c, sent[d], 0, tick)
+                c.shown[LINK_TX] = resume(limit, c, c.senders[0], sent[d], tick)
             else:
                 c.senders[0].next = FAR
             if not c.restful:
@@ -94,7 +96,10 @@ def sample_relays(st: Any, limit: Any, changes: NDArray[Any]) -> None:
             disturb(st, limit, which - ROGUES, held[which] ^ value, domain.time)
         held[which] = value
         domain.cursor += 1
-    if not domain.resetting:
+    if domain.resetting and not held[RST]:
+        domain.resetting = 0
+        begin_relays(st, limit, tick)
+    elif not domain.resetting:
         st.relays.due = tick
         for d in range(2):
             feed(st, limit, d, tick)
@@ -110,7 +115,7 @@ def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
         if which == OPEN or which == STUCK:
             disturb(st, limit, d, held[which] ^ value, domain.time)
         if which == STOPPED and value != held[which]:
-            disturb(st, limit, d, -1, domain.time)
+            disturb(st, limit, d, ALL, domain.time)
             if not value:
                 domain.skipped += domain.event - domain.frozen
             domain.frozen = domain.event if value else NONE
@@ -121,8 +126,11 @@ def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
         tick = domain.event - domain.skipped
         if not c.looped:
             c.feedback, c.contact, c.line = held[FEEDBACK], held[CONTACT], held[LINK_RX]
-        repin(limit, c, held, tick, domain.resetting == 1)
+        repin(limit, c, domain, tick)
         c.due = tick
+        if domain.resetting and not held[RST]:
+            domain.resetting = 0
+            begin(limit, c, held, tick)
 
 
 @njit(nogil=True)
@@ -136,25 +144,22 @@ def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray
     if domain.held[RST]:
         if not domain.resetting:
             domain.resetting = 1
-            disturb(st, limit, d, -1, c.time)
+            disturb(st, limit, d, ALL, c.time)
             halt(limit, c, log)
             if c.looped:
                 c.feedback = 0
-                wire(st, limit, d, 1, c.time)
+                wire(st, limit, d, QUIET, c.time)
                 feed(st, limit, d, sampled(st.clocks[RELAYS], c.time))
         c.due = FAR
         domain.done = tick
         return
-    if domain.resetting:
-        domain.resetting = 0
-        begin(limit, c, domain.held, tick)
     domain.done = tick
     if tick == c.latch:
         latch(limit, c, sent[d, c.sends % sent.shape[1]])
     if tick == c.toggle:
         turn_pulses(st, limit, d, tick, log)
     if tick == c.senders[0].next:
-        put(log, c, LINK_TX, send(limit, c, sent[d], 0, 0))
+        put(log, c, LINK_TX, send(limit, c, c.senders[0], sent[d]))
     if tick == c.senders[1].next:
         go_out(st, limit, d, sent[d], calm)
     if tick == c.due:
@@ -172,13 +177,10 @@ def act_relays(st: Any, limit: Any, log: NDArray[Any]) -> None:
         if not domain.resetting:
             domain.resetting = 1
             for d in range(2):
-                disturb(st, limit, d, -1, domain.time)
+                disturb(st, limit, d, ALL, domain.time)
             halt_relays(st, limit, domain.time, log)
         st.relays.due = FAR
     else:
-        if domain.resetting:
-            domain.resetting = 0
-            begin_relays(st, limit, tick)
         domain.done = tick
         tick_of_relays(st, limit, tick, domain.time, log)
     domain.done = tick

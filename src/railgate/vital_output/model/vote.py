@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 
 from railgate.vital_output.model.frames import ahead, count
@@ -15,7 +16,7 @@ __all__ = ["keep", "store", "vote"]
 
 SKEW, MISMATCH = int(Cause.SKEW), int(Cause.MISMATCH)
 LIFE_OUT, LATCHED = int(Cause.LIFE_OUT), int(Cause.LATCHED)
-PASSED, STORED = COUNTERS.index("passed"), COUNTERS.index("stored")
+PASSED, STORED = np.int64(COUNTERS.index("passed")), np.int64(COUNTERS.index("stored"))
 
 
 @njit(nogil=True)
@@ -30,7 +31,7 @@ def vote(limit: Any, c: Any, tick: int, accepted: bool, peer_accepted: bool) -> 
             and own.acknowledge == forwarded.acknowledge
         ):
             r.passed = r.open = 1
-            count(c, PASSED, 1)
+            count(c, PASSED)
         else:
             c.causes |= 1 << MISMATCH
         r.own_there, r.forwarded_there, r.expires = 0, 0, NONE
@@ -58,7 +59,7 @@ def store(limit: Any, c: Any) -> tuple[bool, int]:
         and was.peer.frame.sequence == was.own.sequence
     ):
         return False, 0
-    count(c, STORED, 1)
+    count(c, STORED)
     r.image = 0 if was.latched else was.own.image
     r.acknowledge, r.stored_index = was.own.acknowledge, was.own.index
     r.life, r.open = limit.life_cycles, 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -15,6 +16,7 @@ from railgate.vital_output.model.records import FAR, INPUTS, NONE
 
 __all__ = [
     "FLIP_FLOPS",
+    "NO_FILTER",
     "OPEN",
     "RELAYS",
     "ROGUES",
@@ -32,9 +34,9 @@ OPEN, STUCK = INPUTS.index("open"), INPUTS.index("stuck")
 CONTACT_OPEN, CONTACT_STUCK = INPUTS.index("contact_open"), INPUTS.index("contact_stuck")
 ROGUES = INPUTS.index("rogue_1")
 
-RELAYS = 2
+RELAYS = np.int64(2)
 """The relays' domain."""
-FLIP_FLOPS = 2
+FLIP_FLOPS, NO_FILTER = 2, np.int64(0)
 """Of the relays' synchronisers."""
 SLACK = 8
 """Ticks around a message in which nothing may disturb it, beside two bits."""
@@ -57,15 +59,16 @@ def passed(st: Any, d: int, time: int) -> int:
 
 
 @njit(nogil=True)
-def repin(limit: Any, c: Any, held: NDArray[Any], tick: int, resetting: bool) -> None:
-    """The levels at a channel's pins from this tick on; after a reset they are only kept."""
+def repin(limit: Any, c: Any, domain: Any, tick: int) -> None:
+    """The levels at a channel's pins from this tick on; in reset they are only kept."""
+    held = domain.held
     feedback = c.feedback & ~held[OPEN] | held[STUCK]
     contact = c.contact & ~held[CONTACT_OPEN] | held[CONTACT_STUCK]
     link = 1 if held[HIGH] else 0 if held[LOW] else c.line ^ held[FLIP]
     changed = (feedback ^ c.feedback_pin) & ~c.still
     moved, turned = contact ^ c.contact_pin, link != c.link_pin
     c.feedback_pin, c.contact_pin, c.link_pin = c.feedback_pin ^ changed, contact, link
-    if resetting:
+    if domain.resetting:
         return
     seen = tick + limit.input_stages
     for i in range(limit.outputs):
@@ -94,7 +97,7 @@ def feed(st: Any, limit: Any, d: int, tick: int) -> None:
         r.fed[d] ^= changed
         for i in range(limit.outputs):
             if changed >> i & 1:
-                push(r.stages[d, i], tick + FLIP_FLOPS, 0)
+                push(r.stages[d, i], tick + FLIP_FLOPS, NO_FILTER)
         r.due = min(r.due, tick + FLIP_FLOPS)
 
 
@@ -103,7 +106,7 @@ def wire(st: Any, limit: Any, d: int, level: int, time: int) -> None:
     """The line from channel d has another level from this time on."""
     peer, domain = st.channels[1 - d], st.domains[1 - d]
     peer.line = level
-    repin(limit, peer, domain.held, label(st, 1 - d, time), domain.resetting == 1)
+    repin(limit, peer, domain, label(st, 1 - d, time))
 
 
 @njit(nogil=True)
@@ -143,4 +146,4 @@ def go_out(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any]) -> None:
         s.number += 1
         s.next += limit.link_period_ticks
     else:
-        wire(st, limit, d, send(limit, c, sent, 1, limit.delay_ticks), c.time)
+        wire(st, limit, d, send(limit, c, s, sent), c.time)
