@@ -1,6 +1,7 @@
 #!/bin/sh
 # A real capture, then a simulated train run to 200 km/h, both through the odometer's model; then the
-# position link with three faults, and its line read again as a sniffer would.
+# position link with three faults, and its line read again as a sniffer would; then two channels of
+# the vital output and their relay, one of whose CPUs dies.
 set -e
 railgate=.venv/bin/railgate
 capture=tests/data/sigrok/avago_adns_2051_move_mouse_fast.sr
@@ -17,3 +18,6 @@ echo
 echo "The same line, as a sniffer reads it"
 $railgate decode build/demo/link/link.vcd --clk clk --uef uef --data data --anf anf \
     --layout src/railgate/position_link/host/example.toml
+echo
+echo "A vital output: CPU 1 falls silent while a relay is held"
+$railgate simulate vital --situation cpu-dead --out build/demo/vital
