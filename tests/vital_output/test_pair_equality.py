@@ -10,7 +10,7 @@ from math import ceil
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.engines import Design, open_engine
@@ -124,7 +124,7 @@ def assert_pair_is_the_same(
 
 
 @given(st.sampled_from(CASES), st.data())
-@settings(max_examples=32, deadline=None, phases=(Phase.reuse,))
+@settings(max_examples=32, deadline=None)
 def test_the_pair_is_that_of_leap_whatever_goes_wrong(case: Case, data: st.DataObject) -> None:
     inputs = stimulus(case, data, 10)
     assert_pair_is_the_same(case, inputs, cut=data.draw(st.integers(1, inputs.end - 1)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -181,7 +182,7 @@ def show(limit: Any, c: Any, tick: int, log: NDArray[Any]) -> None:
 @njit(nogil=True)
 def show_states(limit: Any, c: Any, log: NDArray[Any]) -> None:
     """Likewise of the outputs' states, 64 bits at a time."""
-    word, bits, signal = 0, 0, STATES
+    word, bits, signal = np.int64(0), 0, STATES
     for i in range(limit.outputs):
         state = c.outputs[i].state
         word |= state << bits

@@ -36,7 +36,7 @@ def clock_of(clock: Clock, base: Fraction) -> Any:
     digit_bits = min(62 - unit.bit_length(), edge_bits)
     if digit_bits < 4:
         raise ValueError(
-            f"a clock's period and phase must be multiples of 2⁻⁵⁸ tick at least, "
+            f"a clock's period and phase must be whole numbers of 1/d tick with a d below 2⁵⁸, "
             f"not of 1/{unit} tick"
         )
     (whole, rest), (phase_whole, phase_rest) = (

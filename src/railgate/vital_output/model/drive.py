@@ -10,7 +10,7 @@ from railgate.vital_output.model.link import peer_ok
 from railgate.vital_output.model.pins import alive, head, pop, turn
 from railgate.vital_output.model.records import FAR
 from railgate.vital_output.model.trains import begin_train, end_train
-from railgate.vital_output.spec import Cause, Code, State, TestPhase
+from railgate.vital_output.spec import Code, State, TestPhase
 
 __all__ = ["drive", "test"]
 
@@ -33,7 +33,7 @@ def quiet(limit: Any, c: Any) -> bool:
     """Whether each output is IDLE or in an alarm."""
     for i in range(limit.outputs):
         state = c.outputs[i].state
-        if not (state == IDLE or state == HANDSHAKE_ALARM or state == FEEDBACK_ALARM):
+        if state not in (IDLE, HANDSHAKE_ALARM, FEEDBACK_ALARM):
             return False
     return True
 
@@ -42,7 +42,7 @@ def quiet(limit: Any, c: Any) -> bool:
 def tested(limit: Any, c: Any) -> bool:
     """Whether no output is TEST or WAIT any more."""
     for i in range(limit.outputs):
-        if c.outputs[i].state == TEST or c.outputs[i].state == WAIT:
+        if c.outputs[i].state in (TEST, WAIT):
             return False
     return True
 
@@ -59,9 +59,11 @@ def test(limit: Any, c: Any, asked: bool, booted: bool) -> bool:
         return True
     if phase == RUNNING and tested(limit, c):
         r.test_phase = DONE
-    elif done and (booted if leads else ok and (peer == WANTED or peer == RUNNING)):
-        r.test_phase = WANTED
-    elif leads and phase == REQUESTED and was.image == 0 and quiet(limit, c):
+    elif (
+        (leads and done and booted)
+        or (not leads and done and ok and peer in (WANTED, RUNNING))
+        or (leads and phase == REQUESTED and was.image == 0 and quiet(limit, c))
+    ):
         r.test_phase = WANTED
     elif phase == DONE and (asked or (leads and ok and peer == REQUESTED)):
         r.test_phase = REQUESTED
@@ -93,7 +95,7 @@ def follow(
             return IDLE
         if fb:
             return WAIT
-        if code == PEER_PRE_DRIVE or code == PEER_DRIVE:
+        if code in (PEER_PRE_DRIVE, PEER_DRIVE):
             return DRIVE
         return HANDSHAKE_ALARM if elapsed >= limit.tau1_ticks - 1 else PRE_DRIVE
     if state == DRIVE:
@@ -156,7 +158,7 @@ def wake(limit: Any, c: Any, i: int, tick: int) -> int:
 def enter(limit: Any, c: Any, i: int, state: int, left: bool, tick: int) -> None:
     """An output is in another state from this tick on; a steady train that ends has `ceased`."""
     o = c.outputs[i]
-    drove, drives = o.state == DRIVE or o.state == TEST, state == DRIVE or state == TEST
+    drove, drives = o.state in (DRIVE, TEST), state in (DRIVE, TEST)
     o.left = left and state == WAIT and o.state == DRIVE
     o.state, o.entered = state, tick
     if drives:
@@ -169,19 +171,28 @@ def enter(limit: Any, c: Any, i: int, state: int, left: bool, tick: int) -> None
 
 
 @njit(nogil=True)
+def sense(limit: Any, c: Any, i: int, tick: int) -> tuple[bool, bool, bool]:
+    """fb, frequency and contact of an output in this tick."""
+    o, pin, contact_pin = c.outputs[i], c.feedback_pins[i], c.contact_pins[i]
+    if head(contact_pin) == tick:
+        pop(contact_pin)
+    contact = contact_pin.level == 1 and tick >= c.origin + SETTLED
+    if o.steady:
+        return True, True, contact
+    fb = contact or tick - pin.rise < limit.zero_ticks
+    return fb, alive(pin, tick, limit.period_high_ticks), contact
+
+
+@njit(nogil=True)
 def drive(limit: Any, c: Any, tick: int, begins: bool, acknowledged: int) -> tuple[bool, int, int]:
-    """All outputs in this tick: whether a state changes, and which enter an alarm of either kind."""
+    """All outputs: whether a state changes, and which of them enter an alarm of either kind."""
     was, due, moved, handshake, feedback = c.was, FAR, False, 0, 0
     ok = peer_ok(was)
     commands = was.image & ~was.blocked if was.test_phase >= DONE and was.peer.test >= DONE else 0
     watching = ok and was.peer.test == RUNNING
     for i in range(limit.outputs):
-        o, pin, contact_pin = c.outputs[i], c.feedback_pins[i], c.contact_pins[i]
-        if head(contact_pin) == tick:
-            pop(contact_pin)
-        contact = contact_pin.level == 1 and tick >= c.origin + SETTLED
-        fb = contact or o.steady == 1 or tick - pin.rise < limit.zero_ticks
-        frequency = o.steady == 1 or alive(pin, tick, limit.period_high_ticks)
+        o, pin = c.outputs[i], c.feedback_pins[i]
+        fb, frequency, contact = sense(limit, c, i, tick)
         cmd, acked = commands >> i & 1 == 1, acknowledged >> i & 1 == 1
         code = (was.peer.low >> i & 1) + 2 * (was.peer.high >> i & 1) if ok else OFF
         elapsed = tick - o.entered

@@ -33,10 +33,10 @@ LIMITS = record(
 )
 """Numbers of the configuration by their names, and what is made of them.
 
-late_ticks: the margin of a forwarded frame. all_outputs: a bit for each. widths: of a
-message's fields. begun: the CRC's register behind each board's ID. table: what a byte at its top adds to it; inverse:
-which byte that was, by the lowest byte of what it has added. starts: what is shown at start;
-blank: the registers that are then.
+late_ticks: the margin of a forwarded frame. all_outputs: a bit for each. begun: the CRC's register
+behind each board's ID. widths: of a message's fields. table: what a byte at the register's top adds
+to it; inverse: which byte that was, by the lowest byte of what it has added. starts: what is shown
+at start; blank: the registers that are then.
 """
 
 

@@ -1,10 +1,9 @@
-"""Messages of the cross-link: their fields, their bits, and the line that they go out on (DRV-6)."""
+"""Messages of the cross-link: their fields, their bits, and how they go out (DRV-6)."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -37,7 +36,7 @@ def latch(limit: Any, c: Any, message: Any) -> None:
     message.low = message.high = 0
     for i in range(limit.outputs):
         state = c.outputs[i].state
-        alarm = state == HANDSHAKE_ALARM or state == FEEDBACK_ALARM
+        alarm = state in (HANDSHAKE_ALARM, FEEDBACK_ALARM)
         message.low |= (1 << i) if alarm or state == PRE_DRIVE else 0
         message.high |= (1 << i) if alarm or state == DRIVE else 0
     c.sends += 1
@@ -107,31 +106,31 @@ def read(
 
 
 @njit(nogil=True)
-def send(limit: Any, c: Any, s: Any, sent: Any) -> int:
-    """After this tick a bit of a sender's begins, or the quiet behind them; returns its level.
+def send(limit: Any, c: Any, s: Any, sent: Any) -> None:
+    """After this tick a bit of a sender's begins, or the quiet behind them.
 
     sent: the messages that may still be on their way, each at its number modulo their count.
     """
     if s.bit == 0:
         draw(limit, sent[s.number % sent.size], c.board, s.bits, c.values)
-    level, last = np.int64(s.bits[s.bit]), limit.message_bits
+    last = limit.message_bits
+    s.level = s.bits[s.bit]
     s.bit += 1
-    while s.bit <= last and s.bits[s.bit] == level:
+    while s.bit <= last and s.bits[s.bit] == s.level:
         s.bit += 1
     if s.bit > last:
         s.bit = 0
         s.number += 1
     begin = c.origin + FIRST_MESSAGE - 1 + s.number * limit.link_period_ticks
     s.next = begin + s.delay + s.bit * limit.bit_ticks
-    return level
 
 
 @njit(nogil=True)
-def resume(limit: Any, c: Any, s: Any, sent: Any, tick: int) -> int:
-    """All that a sender has sent in ticks before `tick`; returns the level of the line."""
-    level, first = 1, c.origin + FIRST_MESSAGE - 1 + s.delay
+def resume(limit: Any, c: Any, s: Any, sent: Any, tick: int) -> None:
+    """A sender is as if it had sent all that is due before this tick."""
+    first = c.origin + FIRST_MESSAGE - 1 + s.delay
     s.number, s.bit = max(0, (tick - 1 - first) // limit.link_period_ticks), 0
+    s.level = 1
     s.next = first + s.number * limit.link_period_ticks
     while s.next < tick:
-        level = send(limit, c, s, sent)
-    return level
+        send(limit, c, s, sent)

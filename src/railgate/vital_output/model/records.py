@@ -51,11 +51,11 @@ def places(*names: str) -> list[np.int64]:
     return [np.int64(SIGNALS.index(name)) for name in names]
 
 
-Part = tuple[str, Any] | tuple[str, Any, int]
+Part = tuple[str, Any] | tuple[str, Any, int | tuple[int, ...]]
 
 
 def record(names: str, *parts: Part) -> np.dtype[Any]:
-    """A record of numbers, then of parts: each a name, a type, and of several their number."""
+    """A record of numbers, then of parts: each a name, a type, and their number if there are several."""
     return np.dtype([(name, np.int64) for name in names.split()] + list(parts))
 
 
@@ -87,9 +87,9 @@ OUTPUT = record("state entered left since until toggle regular steady")
 `toggle` its pulse changes next. regular: rises in a row that nothing has disturbed; steady: the
 train needs no attention until something disturbs it."""
 
-SENDER = record("number bit next delay", ("bits", np.int8, BITS))
+SENDER = record("number bit next level delay", ("bits", np.int8, BITS))
 """A message that goes out: its number, its next bit that differs from the one before, the tick
-after which that begins, `delay` ticks later than on link_tx."""
+after which that begins, `delay` ticks later than on link_tx; the level until then."""
 
 CHANNEL = record(
     "board base looped origin time due drive_due latch toggle causes boot "
@@ -116,13 +116,14 @@ CHANNEL = record(
 now: its registers; was: as they were in the tick that is under way. base: where its signals begin
 in the log. looped: whether there is a loop. time: of the edge that ends this tick. due, drive_due,
 latch, toggle: the next ticks in which anything, an output, a message's fields, a pulse may change.
-causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. values: of a message's fields. sends:
-messages made. receiving, begins, got, received: of the message that comes in bit by bit; arrival:
-the tick in which `incoming` is there as a whole. counted: a counter has grown. still: outputs whose trains are steady; ceased:
-those of them that end. feedback, contact, line: what pulses, relays and wire are; …_pin: what comes
-of it at the pins. drawn: pulses are followed edge by edge; restful: but for steady ones. leapable:
-the relays always find a steady train alive; readable: the peer always reads an undisturbed message;
-calm: the next of the disturbances of the lines. senders: for link_tx, and for the line.
+causes: bit c of those of this tick. begun, twice, bytes, buffer: of the frame that comes in. sends:
+messages made. receiving, begins, got, received: of the message that comes in bit by bit; values: of
+a message's fields; arrival: the tick in which `incoming` is there as a whole. counted: a counter
+has grown. still: outputs whose trains are steady; ceased: those of them that end. feedback,
+contact, line: what pulses, relays and wire are; …_pin: what comes of it at the pins. drawn: pulses
+are followed edge by edge; restful: but for steady ones. leapable: the relays always find a steady
+train alive; readable: the peer always reads an undisturbed message; calm: the next of the
+disturbances of the lines. senders: for link_tx, and for the line.
 """
 
 DOMAIN = record(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from railgate.vital_output.model.channel import put
 from railgate.vital_output.model.clocks import edge, sampled
 from railgate.vital_output.model.pins import head, push, seat, turn
-from railgate.vital_output.model.records import FAR, INPUTS, places
+from railgate.vital_output.model.records import FAR, places
 from railgate.vital_output.model.trains import reckon
 from railgate.vital_output.model.wires import (
     FLIP_FLOPS,

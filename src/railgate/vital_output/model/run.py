@@ -52,7 +52,8 @@ def open_piece(st: Any, limit: Any, sent: Any, now: int) -> None:
             tick = passed(st, d, now) + 1
             c.due = c.drive_due = tick
             if c.wanted[LINK_TX]:
-                c.shown[LINK_TX] = resume(limit, c, c.senders[0], sent[d], tick)
+                resume(limit, c, c.senders[0], sent[d], tick)
+                c.shown[LINK_TX] = c.senders[0].level
             else:
                 c.senders[0].next = FAR
             if not c.restful:
@@ -106,13 +107,13 @@ def sample_relays(st: Any, limit: Any, changes: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
-    """What a channel's inputs are in the tick of its event; whether its clock runs."""
+def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
+    """What a channel's inputs are in the tick of its event, and whether its clock runs."""
     domain, c = st.domains[d], st.channels[d]
     held, touched = domain.held, domain.resetting == 1
     while domain.cursor < len(changes) and changes[domain.cursor, 0] <= domain.event:
         which, value = changes[domain.cursor, 1], changes[domain.cursor, 2]
-        if which == OPEN or which == STUCK:
+        if which in (OPEN, STUCK):
             disturb(st, limit, d, held[which] ^ value, domain.time)
         if which == STOPPED and value != held[which]:
             disturb(st, limit, d, ALL, domain.time)
@@ -134,7 +135,33 @@ def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]) -> None:
+def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
+    """What a domain's inputs are in the tick of its event."""
+    if d == RELAYS:
+        sample_relays(st, limit, changes)
+    else:
+        sample_channel(st, limit, d, changes)
+
+
+@njit(nogil=True)
+def reset_channel(st: Any, limit: Any, d: int, log: NDArray[Any]) -> None:
+    """A channel is as at start from the next tick on, and so are its wires."""
+    domain, c = st.domains[d], st.channels[d]
+    if not domain.resetting:
+        domain.resetting = 1
+        disturb(st, limit, d, ALL, c.time)
+        halt(limit, c, log)
+        if c.looped:
+            c.feedback = 0
+            wire(st, limit, d, QUIET, c.time)
+            feed(st, limit, d, sampled(st.clocks[RELAYS], c.time))
+    c.due = FAR
+
+
+@njit(nogil=True)
+def act_channel(
+    st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]
+) -> None:
     """What a channel does in the tick of its event."""
     domain, c = st.domains[d], st.channels[d]
     if domain.frozen != NONE:
@@ -142,15 +169,7 @@ def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray
     tick = domain.event - domain.skipped
     c.time = domain.time
     if domain.held[RST]:
-        if not domain.resetting:
-            domain.resetting = 1
-            disturb(st, limit, d, ALL, c.time)
-            halt(limit, c, log)
-            if c.looped:
-                c.feedback = 0
-                wire(st, limit, d, QUIET, c.time)
-                feed(st, limit, d, sampled(st.clocks[RELAYS], c.time))
-        c.due = FAR
+        reset_channel(st, limit, d, log)
         domain.done = tick
         return
     domain.done = tick
@@ -159,7 +178,8 @@ def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray
     if tick == c.toggle:
         turn_pulses(st, limit, d, tick, log)
     if tick == c.senders[0].next:
-        put(log, c, LINK_TX, send(limit, c, c.senders[0], sent[d]))
+        send(limit, c, c.senders[0], sent[d])
+        put(log, c, LINK_TX, c.senders[0].level)
     if tick == c.senders[1].next:
         go_out(st, limit, d, sent[d], calm)
     if tick == c.due:
@@ -180,10 +200,19 @@ def act_relays(st: Any, limit: Any, log: NDArray[Any]) -> None:
                 disturb(st, limit, d, ALL, domain.time)
             halt_relays(st, limit, domain.time, log)
         st.relays.due = FAR
-    else:
         domain.done = tick
-        tick_of_relays(st, limit, tick, domain.time, log)
+        return
     domain.done = tick
+    tick_of_relays(st, limit, tick, domain.time, log)
+
+
+@njit(nogil=True)
+def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]) -> None:
+    """What a domain does in the tick of its event."""
+    if d == RELAYS:
+        act_relays(st, limit, log)
+    else:
+        act_channel(st, limit, d, sent, calm, log)
 
 
 def compiled(sources: str) -> Any:
@@ -219,18 +248,13 @@ def compiled(sources: str) -> Any:
                 time = min(time, st.domains[d].time)
             if time >= until or log[0, 0] + LOG_ROOM > len(log):
                 return time < until
+            # All that have an edge now sample before any of them changes anything.
             for d in range(domains):
                 if st.domains[d].time == time:
-                    if d == RELAYS:
-                        sample_relays(st, limit, changes[d])
-                    else:
-                        sample(st, limit, d, changes[d])
+                    sample(st, limit, d, changes[d])
             for d in range(domains):
                 if st.domains[d].time == time:
-                    if d == RELAYS:
-                        act_relays(st, limit, log)
-                    else:
-                        act(st, limit, d, sent, calm, log)
+                    act(st, limit, d, sent, calm, log)
 
     return run
 

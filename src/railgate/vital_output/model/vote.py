@@ -49,7 +49,7 @@ def vote(limit: Any, c: Any, tick: int, accepted: bool, peer_accepted: bool) -> 
 
 @njit(nogil=True)
 def store(limit: Any, c: Any) -> tuple[bool, int]:
-    """Whether both have passed the own frame: it is stored; and the outputs that it acknowledges."""
+    """Whether the own frame is stored, as both have passed it; the outputs that it acknowledges."""
     was, r = c.was, c.now
     if not (
         was.open
@@ -70,7 +70,7 @@ def store(limit: Any, c: Any) -> tuple[bool, int]:
 
 
 @njit(nogil=True)
-def decide(limit: Any, c: Any, stored: bool, accepted: bool) -> None:
+def decide(c: Any, stored: bool, accepted: bool) -> None:
     """The cycle before is decided."""
     was, r = c.was, c.now
     decided = was.index - 1
@@ -94,7 +94,7 @@ def keep(
     stored, acknowledged = store(limit, c)
     decision = tick - was.zero == limit.decision_ticks
     if decision:
-        decide(limit, c, stored, accepted)
+        decide(c, stored, accepted)
     if rejected and limit.error_interval_cycles:
         if was.errors:
             c.causes |= 0 if r.latched else 1 << LATCHED

@@ -146,4 +146,5 @@ def go_out(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any]) -> None:
         s.number += 1
         s.next += limit.link_period_ticks
     else:
-        wire(st, limit, d, send(limit, c, s, sent), c.time)
+        send(limit, c, s, sent)
+        wire(st, limit, d, s.level, c.time)

@@ -9,7 +9,6 @@ from unittest.mock import patch
 
 from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value
 
-from railgate.check import Check
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
 from railgate.vital_output.proofs.stimuli import Step, mutant, trace
 from railgate.vital_output.spec import Cause, Config
@@ -52,7 +51,7 @@ class _Check(Monitor):
     """
 
     def __init__(self) -> None:
-        super().__init__(INPUTS, ("times", "feeds", "compares", "apart"))
+        super().__init__(INPUTS, ("times", "feeds", "compares"))
         self.left = Signal(range(CONFIG.check_ticks + 1))  # ticks of the check with this one
         self.run, self.at = Signal(range(RUNS + 1), init=RUNS), Signal(range(COVERED), init=SETTLED)
         self.index_0, self.fields, self.wanted = Signal(32), Signal(8 * (COVERED - IMPLICIT)), Signal(32)
@@ -78,11 +77,7 @@ class _Check(Monitor):
         board, time = self._tried(index)
         byte, first, feeds = Signal(8), Signal(), Signal()
         told = Cat(self.fields, time, board)
-        own_told = Cat(self.fields, time, Const(CONFIG.boards[0], 32))
-        own_byte = Signal(8)
-        inner_engine = dut._processor()
         m.d.sync += [
-            own_byte.eq(Array(own_told[8 * n : 8 * n + 8] for n in reversed(range(COVERED)))[self.at]),
             byte.eq(Array(told[8 * n : 8 * n + 8] for n in reversed(range(COVERED)))[self.at]),
             first.eq(self.at == 0),
             feeds.eq(self.run != RUNS),
@@ -94,19 +89,6 @@ class _Check(Monitor):
             m.d.sync += self.equal.bit_select((self.run - 1)[: len(self.run)], 1).eq(crc == self.wanted)
         newest = Mux((self.run != 0) & (self.at == COMPARED + 1), Const(1, RUNS) << (self.run - 1)[:4], 0)
 
-        # Beside the run with the mask, the engine with the own board in its place.
-        m.submodules.unmasked = unmasked = inner_engine
-        masked = (self.run == 2 * TRIED) & (self.at >= 2) | (self.run == RUNS) & (self.at <= COMPARED)
-        m.d.comb += [
-            unmasked.start.eq(first),
-            unmasked.valid.eq(feeds),
-            unmasked.data.eq(own_byte),
-        ]
-        differs = crc ^ unmasked.crc
-        board_byte = (self.run == 2 * TRIED) & (self.at >= 1) & (self.at <= 4)
-        other_byte = (self.run == 2 * TRIED) & (self.at > 4) | (self.run == RUNS) & (self.at == 0)
-        delta = _Table(Const(mask ^ CONFIG.boards[0], 32) for mask in CONFIG.masks[0])[index[:5]]
-        delta_byte = _Table(delta[24 - 8 * n : 32 - 8 * n] for n in range(4))[(self.at - 1)[:5]]
         own, other = self.equal[:TRIED], self.equal[TRIED : 2 * TRIED]
         verdict = Mux(
             acceptable,
@@ -148,13 +130,6 @@ class _Check(Monitor):
                     & (self.equal >> Mux(self.run == 0, 0, self.run - (self.at <= COMPARED))[:4] == 0)
                     & (inner["judged"] == Mux(self.run == 0, 0, self.run - (self.at < TAKEN)))
                 )
-            ),
-            self.lemma.apart.eq(
-                (~masked | (differs == self._apart(index[:5])))
-                & ~(board_byte & ((inner["data"] ^ own_byte) != delta_byte))
-                & ~(other_byte & (inner["data"] != own_byte))
-                & (~(board_byte | other_byte) | (first == (self.at == 1)))
-                & (~(board_byte | other_byte) | feeds)
             ),
             self.holds.eq(
                 (inner["valid"] == feeds)
@@ -203,21 +178,6 @@ class _Check(Monitor):
         last = self.run == 2 * TRIED
         masks = _Table(Const(mask, 32) for mask in CONFIG.masks[0])
         return Mux(last, masks[index[:5]], board)[:32], Mux(last, index, time[:32])[:32]
-
-    def _apart(self, number: Value) -> Value:
-        """By so much the CRC with this mask is apart from the one with the board, so far in a run."""
-        linear = Check(width=32, polynomial=CONFIG.polynomial)
-        gone = Mux(self.run == RUNS, COVERED - 1 + self.at, self.at - 1)  # bytes in the engine
-        after = []
-        for mask in CONFIG.masks[0]:
-            bits = (mask ^ CONFIG.boards[0]) << 8 * (COVERED - 4)
-            after.append(
-                _Table(
-                    Const(linear.of(bits >> 8 * (COVERED - n), 8 * n) if n else 0, 32)
-                    for n in range(COVERED + 1)
-                )[gone]
-            )
-        return _Table(after)[number]
 
     def _rotated(self) -> Value:
         """The fields, of which the first bytes of this run have gone to the end."""

@@ -1,0 +1,290 @@
+"""Times swept tick by tick around their limits, and thousands of switches, with unrelated clocks.
+
+Requirements DRV-6, DRV-9, DRV-14.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from railgate.vital_output.plant.cpu import Command, Cpus, Frame
+from railgate.vital_output.plant.edges import FEMTOSECOND, Edges
+from railgate.vital_output.plant.relay import RelayTimes
+from railgate.vital_output.plant.scenario import Scenario
+from railgate.vital_output.simulate import Run
+from railgate.vital_output.situations import ready_s
+from railgate.vital_output.spec import Config, State
+from railgate.waves import Trace, Waveform
+from vital_output.messages import Line
+from vital_output.pair import RELAY, driving, frames_of, inputs, run, wrong
+from vital_output.scenarios import clocks, scenarios
+from vital_output.small import SMALL
+
+TICK = 10**15 // SMALL.clock_hz
+"""Femtoseconds."""
+
+L, TAU0, TAU1 = SMALL.latency_ticks, SMALL.tau0_ticks, SMALL.tau1_ticks
+DRIFT = SMALL.drift_in(TAU0)
+PASSES, FAILS = TAU0 - L - DRIFT, TAU0 + L + DRIFT
+"""The skew of two frames up to which they pass, and beyond which they fail, in ticks."""
+
+APART = 4
+"""Cycles from one swept frame to the next: one that fails may cost the next cycle too."""
+
+DELAYS = st.integers(0, SMALL.line_ticks)
+
+
+def skewed(scenario: Scenario, phase: int, skews: Sequence[int]) -> tuple[list[Frame], list[Frame]]:
+    """Frames at a phase of each cycle, from the first command on now and then one of them later by
+    the next of the skews; less than 0: it is CPU 1's."""
+    first = int(scenario.commands[0].start_s / SMALL.cycle_s) + 2
+    late = {first + APART * i: skew for i, skew in enumerate(skews)}
+    found: tuple[list[Frame], list[Frame]] = ([], [])
+    for cpu, frames in enumerate(frames_of(scenario, SMALL)):
+        for frame in frames:
+            by = late.get(frame.cycle, 0) * (1 if cpu else -1)
+            tick = frame.cycle * SMALL.cycle_ticks + phase + max(by, 0)
+            found[cpu].append(replace(frame, sent=tick * TICK))
+    return found
+
+
+def verdicts(found: Run, skews: Sequence[int]) -> list[tuple[Fraction, bool, bool]]:
+    """Of each swept pair of frames the skew in ticks, and whether FPGA 1 and 2 stored it."""
+    first = int(found.scenario.commands[0].start_s / SMALL.cycle_s) + 2
+    stored = [{frame.tick for _, frame in channel.stores} for channel in found.channels]
+    told = []
+    for i in range(len(skews)):
+        number = first + APART * i - found.scenario.cpus.first_cycle
+        one, other = (channel.frames[number] for channel in found.channels)
+        skew = Fraction(other.at - one.at, TICK)
+        told.append((skew, one.tick in stored[0], other.tick in stored[1]))
+    return told
+
+
+def assert_skews(
+    timing: dict[str, Fraction], delay_ticks: int, phase: int, skews: Sequence[int]
+) -> list[tuple[Fraction, bool, bool]]:
+    scenario = driving(SMALL, 4 + APART * len(skews), **timing)
+    given_ = inputs(scenario, SMALL, frames=skewed(scenario, phase, skews))
+    found = run(scenario, SMALL, given_, delay_ticks)
+    told = verdicts(found, skews)
+    for skew, *stored in told:
+        assert stored[0] == stored[1], (skew, stored)
+        assert stored[0] or abs(skew) > PASSES, skew
+        assert not stored[0] or abs(skew) <= FAILS, skew
+    assert found.trace["contact"].values.tolist() == [0, 1]
+    assert all(causes.keys() <= {"skew", "mismatch"} for causes in wrong(found))
+    return told
+
+
+def around(ticks: int, few: int) -> list[int]:
+    """Each tick near to this skew, of either CPU's frames."""
+    return [sign * (ticks + by) for by in range(-few, few + 1) for sign in (1, -1)]
+
+
+PHASE = SMALL.margin_ticks - 2 * SMALL.slew_ticks
+EARLY, LATE = -PHASE, SMALL.cycle_ticks + PHASE - PASSES - 2 * SMALL.layout.frame_bytes
+"""The first and the last phase that frames may have in a cycle, so far apart."""
+
+
+@given(clocks(), DELAYS, st.data())
+@settings(max_examples=10, deadline=None)
+def test_frames_pass_up_to_the_skew_that_is_declared_and_fail_beyond(
+    timing: dict[str, Fraction], delay_ticks: int, data: st.DataObject
+) -> None:
+    phase = data.draw(st.integers(EARLY, SMALL.cycle_ticks - FAILS - 500))
+    between = data.draw(st.lists(st.integers(PASSES, FAILS), min_size=6, max_size=6))
+    skews = around(PASSES, 2) + around(FAILS, 2) + between
+    told = assert_skews(timing, delay_ticks, phase, data.draw(st.permutations(skews)))
+    assert {stored for _, stored, _ in told} == {True, False}
+
+
+@given(clocks(), DELAYS, st.integers(EARLY, LATE), st.data())
+@settings(max_examples=6, deadline=None)
+def test_frames_pass_wherever_they_are_in_their_cycle(
+    timing: dict[str, Fraction], delay_ticks: int, phase: int, data: st.DataObject
+) -> None:
+    skews = data.draw(st.lists(st.integers(-PASSES, PASSES), min_size=8, max_size=8))
+    told = assert_skews(timing, delay_ticks, phase, [PASSES, -PASSES, *skews])
+    assert all(stored for _, stored, _ in told)
+
+
+CYCLE, MILLI = SMALL.cycle_s, Fraction(1, 1000)
+OUTPUT = 0
+ON, OFF = 2, 3
+"""Cycles for which it is commanded on and off."""
+
+
+def switching(trials: int, timing: dict[str, Fraction]) -> Scenario:
+    """Output 0 on and off so many times."""
+    first = ready_s(SMALL) + SMALL.cycle_s
+    on = [first + (ON + OFF) * i * SMALL.cycle_s for i in range(trials)]
+    commands = [Command(start_s=t + o, image=i) for t in on for o, i in ((0, 1), (ON * CYCLE, 0))]
+    seconds = first + (ON + OFF) * trials * SMALL.cycle_s
+    return Scenario(commands=tuple(commands), seconds=seconds, relay=RELAY, **timing)
+
+
+def entries(found: Run, fpga: int, state: State) -> list[int]:
+    """The femtoseconds in which the output enters a state."""
+    transitions = found.channels[fpga - 1].transitions(OUTPUT)
+    return [at for at, _, new in transitions if new == state]
+
+
+SETTLED = 4
+"""Cycles after which a contact has followed a command."""
+
+BETWEEN = 300
+"""Ticks from rise to rise that still are no 0 Hz, and far from the right frequency."""
+
+
+def busy(scenario: Scenario, fpga: int, spans: Sequence[tuple[int, int]]) -> Waveform:
+    """Feedback of the FPGA's pulses that keeps the output from IDLE during these femtoseconds."""
+    edges, ticks = Edges(scenario.clocks(SMALL)[fpga - 1]), []
+    for begin, end in spans:
+        first, last = edges.during([begin, end]).tolist()
+        rises = np.arange(last - SMALL.zero_ticks, first, -BETWEEN)[::-1]
+        ticks += np.stack([rises, rises + BETWEEN // 2], axis=1).ravel().tolist()
+    times = edges.begin(ticks)
+    return Waveform.of(np.append(0, times), np.arange(times.size + 1) % 2, SMALL.outputs)
+
+
+def assert_handshakes(
+    timing: dict[str, Fraction], delay_ticks: int, late_fpga: int, lates: Sequence[int]
+) -> list[bool]:
+    """One FPGA's output comes from WAIT into PRE_DRIVE so many ticks after the other's, each time.
+    Whether both then drive; if not, neither does for long, and both tell so."""
+    scenario = switching(len(lates), timing)
+    plain = run(scenario, SMALL, None, delay_ticks)
+    begun = entries(plain, 3 - late_fpga, State.PRE_DRIVE)
+    spans = [(at - 2000 * TICK, at + late * TICK) for at, late in zip(begun, lates, strict=True)]
+    wires = {f"relay.stuck_{late_fpga}": busy(scenario, late_fpga, spans)}
+    found = run(scenario, SMALL, inputs(scenario, SMALL, wires=wires), delay_ticks)
+    assert entries(found, 3 - late_fpga, State.PRE_DRIVE) == begun
+    closings = found.trace["contact"].rising()
+    alarms = [entries(found, fpga, State.HANDSHAKE_ALARM) for fpga in (1, 2)]
+    trials = [(command.start_s, command.start_s + (ON + OFF) * CYCLE) for command in scenario.commands[::2]]
+    told = []
+    for entered, other, late, trial in zip(
+        entries(found, late_fpga, State.PRE_DRIVE), begun, lates, trials, strict=True
+    ):
+        assert abs(entered - other - late * TICK) <= 12 * TICK
+        begin, end = (int(time / FEMTOSECOND) for time in trial)
+        driven, *alarmed = (
+            [begin < at < end for at in times].count(True) for times in (closings, *alarms)
+        )
+        assert (driven, alarmed) in ((1, [0, 0]), (0, [1, 1]))
+        assert driven or entered - other > (TAU1 - L - DRIFT) * TICK
+        assert not driven or entered - other <= (TAU1 + DRIFT) * TICK
+        told.append(driven == 1)
+    count = told.count(False)
+    assert wrong(found) == (({"handshake_alarm": count},) * 2 if count else ({}, {}))
+    return told
+
+
+@given(clocks(), DELAYS, st.sampled_from((1, 2)), st.data())
+@settings(max_examples=8, deadline=None)
+def test_outputs_drive_up_to_the_skew_in_leaving_that_is_declared_and_both_tell_beyond(
+    timing: dict[str, Fraction], delay_ticks: int, late_fpga: int, data: st.DataObject
+) -> None:
+    sure, never = ([least + by for by in range(-12, 4)] for least in (TAU1 - L - DRIFT, TAU1 + DRIFT))
+    lates = [data.draw(st.sampled_from(few)) for few in (sure, never) for _ in range(3)]
+    lates += data.draw(st.lists(st.integers(sure[0], never[-1]), min_size=2, max_size=2))
+    told = assert_handshakes(timing, delay_ticks, late_fpga, data.draw(st.permutations(lates)))
+    assert set(told) == {True, False}
+
+
+@given(scenarios(SMALL, 40))
+@settings(max_examples=25, deadline=None)
+def test_no_switch_on_or_off_raises_an_alarm(scenario: Scenario) -> None:
+    assert_switches(scenario, SMALL)
+
+
+def assert_switches(scenario: Scenario, config: Config, given_: Trace | None = None) -> int:
+    """Nothing is counted but what is right, every frame is stored, every contact follows. How many
+    switches there were."""
+    found = run(scenario, config, given_)
+    assert wrong(found) == ({}, {})
+    contact, image = found.trace["contact"], 0
+    switches = 0
+    for command, then in pairwise((*scenario.commands, None)):
+        end = scenario.seconds if then is None else then.start_s
+        switches += (command.image ^ image).bit_count()
+        image = command.image
+        if end - command.start_s >= SETTLED * config.cycle_s:
+            assert contact.at(int(end / FEMTOSECOND) - 1) == image
+    for channel in found.channels:
+        assert channel.total("start") == 1
+        assert len(channel.frames) - 1 - channel.total("stored") <= 1  # the last one, at the end
+    return switches
+
+
+SPARE = replace(
+    SMALL,
+    cycle_s=24 * MILLI,
+    tau0_s=9 * MILLI,
+    tau1_s=9 * MILLI,
+    spare_messages=1,
+    lost_messages=3,
+    release_min_s=8 * MILLI,
+)
+"""Of two messages one after the other one may be lost."""
+
+
+@given(scenarios(SPARE, 20, relay=RELAY), st.integers(0, 1 << 32))
+@settings(max_examples=15, deadline=None)
+def test_no_single_lost_message_raises_an_alarm_or_stops_a_switch(
+    scenario: Scenario, seed: int
+) -> None:
+    assert_switches(scenario, SPARE, losing(scenario, seed))
+
+
+def losing(scenario: Scenario, seed: int) -> Trace:
+    """Messages do not come, at random, but never two in a row on one line."""
+    random, wires = np.random.default_rng(seed), {}
+    whole = (1 << SPARE.layout.message_bits) - 1
+    count = int(scenario.seconds * SPARE.clock_hz) // SPARE.link_period_ticks - 2
+    for fpga in (1, 2):
+        lost = random.random(count) < 0.6
+        lost[1:] &= ~np.logical_and.accumulate(lost)[:-1]
+        wires[f"line_{fpga}.high"] = Line(scenario, SPARE, fpga).disturbed(
+            {message: whole for message in np.flatnonzero(lost).tolist()}
+        )
+    return inputs(scenario, SPARE, wires=wires)
+
+
+PULSES = ("fpga_1.pulses", "fpga_2.pulses")
+
+
+def starts(pulses: Waveform, output: int) -> list[int]:
+    """The femtoseconds in which a train begins."""
+    level = pulses.values >> output & 1
+    rises = pulses.ticks[1:][(level[1:] == 1) & (level[:-1] == 0)]
+    pauses = np.diff(rises, prepend=rises[:1] - 2**62) > 2 * SMALL.period_ticks * TICK
+    return rises[pauses].tolist()
+
+
+def worst_start(scenario: Scenario, delay_ticks: int) -> Fraction:
+    """The longest from the one train's beginning to the other's, in ticks."""
+    found = run(scenario, SMALL, None, delay_ticks, PULSES).trace
+    ready = int(ready_s(SMALL) / FEMTOSECOND)
+    apart = [Fraction(0)]
+    for output in range(SMALL.outputs):
+        one, other = ([at for at in starts(found[n], output) if at > ready] for n in PULSES)
+        apart += [Fraction(abs(a - b), TICK) for a, b in zip(one, other, strict=True)]
+    return max(apart)
+
+
+@given(scenarios(SMALL, 30), DELAYS)
+@settings(max_examples=15, deadline=None)
+def test_both_trains_begin_within_4_ticks_and_the_links_latency(
+    scenario: Scenario, delay_ticks: int
+) -> None:
+    assert worst_start(scenario, delay_ticks) <= 4 + L
