@@ -252,11 +252,9 @@ def losing(scenario: Scenario, seed: int) -> Trace:
     whole = (1 << SPARE.layout.message_bits) - 1
     count = int(scenario.seconds * SPARE.clock_hz) // SPARE.link_period_ticks - 2
     for fpga in (1, 2):
-        lost = random.random(count) < 0.6
-        lost[1:] &= ~np.logical_and.accumulate(lost)[:-1]
-        wires[f"line_{fpga}.high"] = Line(scenario, SPARE, fpga).disturbed(
-            {message: whole for message in np.flatnonzero(lost).tolist()}
-        )
+        lost = np.arange(0, count - 1, 3) + random.integers(0, 2, -(-(count - 1) // 3))
+        patterns = dict.fromkeys(lost.tolist(), whole)
+        wires[f"line_{fpga}.high"] = Line(scenario, SPARE, fpga).disturbed(patterns)
     return inputs(scenario, SPARE, wires=wires)
 
 

@@ -51,11 +51,11 @@ def put(log: NDArray[Any], c: Any, signal: int, value: int) -> None:
 
 
 @njit(nogil=True)
-def begin(limit: Any, c: Any, held: NDArray[Any], tick: int) -> None:
+def begin(limit: Any, c: Any, domain: Any, tick: int) -> None:
     """This is a new tick 0: all as at start, and the pins' levels come through."""
     c.now = limit.blank
     c.now.zero = c.origin = c.due = c.drive_due = tick
-    c.latch, c.boot = tick + FIRST_MESSAGE - LATCH, held[BOOT]
+    c.latch, c.boot = tick + FIRST_MESSAGE - LATCH, domain.held[BOOT]
     c.begun = c.twice = c.bytes = c.sends = c.receiving = 0
     c.toggle = c.arrival = FAR
     for sender in range(2):
@@ -90,9 +90,9 @@ def halt(limit: Any, c: Any, log: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def keep_time(limit: Any, c: Any, held: NDArray[Any], tick: int) -> None:
+def keep_time(limit: Any, c: Any, domain: Any, tick: int) -> None:
     """The own time, and the network's (DRV-3)."""
-    was, r = c.was, c.now
+    was, r, held = c.was, c.now, domain.held
     cycle, phase = limit.cycle_ticks, tick - was.zero
     correction = max(-limit.slew_ticks, min(was.pending, limit.slew_ticks))
     index, network = held[TIME_INDEX], held[TIME_PHASE]
@@ -196,7 +196,7 @@ def show_states(limit: Any, c: Any, log: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def schedule(limit: Any, c: Any, held: NDArray[Any], tick: int) -> int:
+def schedule(limit: Any, c: Any, domain: Any, tick: int) -> int:
     """The next tick in which anything may change, if nothing outside does."""
     r = c.now
     correction = max(-limit.slew_ticks, min(r.pending, limit.slew_ticks))
@@ -213,18 +213,18 @@ def schedule(limit: Any, c: Any, held: NDArray[Any], tick: int) -> int:
         r.expires,
     ):
         due = min(due, later) if later > tick else due
-    if held[VALID]:
+    if domain.held[VALID]:
         due = min(due, max(tick + 1, r.verdict_tick))
-    return tick + 1 if held[TIME_VALID] else due
+    return tick + 1 if domain.held[TIME_VALID] else due
 
 
 @njit(nogil=True)
-def tick_of_channel(limit: Any, c: Any, held: NDArray[Any], tick: int, log: NDArray[Any]) -> None:
+def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int, log: NDArray[Any]) -> None:
     """All that happens in one tick, but for what goes out."""
     c.was = c.now
     c.causes = 0
-    was = c.was
-    keep_time(limit, c, held, tick)
+    was, held = c.was, domain.held
+    keep_time(limit, c, domain, tick)
     accepted = rejected = taken = booted = moved = False
     if tick == was.verdict_tick:
         accepted, rejected = told(limit, c)
@@ -251,4 +251,4 @@ def tick_of_channel(limit: Any, c: Any, held: NDArray[Any], tick: int, log: NDAr
     show(limit, c, tick, log)
     if moved or unsettled(was, c.now):
         c.drive_due = tick + 1
-    c.due = schedule(limit, c, held, tick)
+    c.due = schedule(limit, c, domain, tick)

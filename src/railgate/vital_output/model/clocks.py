@@ -58,18 +58,21 @@ def edge(clock: Any, n: int) -> int:
         quotient = (quotient << clock.digit_bits) + part
         remainder = product - part * clock.unit
         at -= clock.digit_bits
-    rest = (remainder + clock.phase_rest + clock.unit - 1) // clock.unit
-    return count * clock.whole + clock.phase_whole + quotient + rest
+    rest = remainder + clock.phase_rest
+    return count * clock.whole + clock.phase_whole + quotient + (rest > 0) + (rest > clock.unit)
 
 
 @njit(nogil=True)
 def sampled(clock: Any, time: int) -> int:
     """The number of the first edge after a tick: what has changed in it is sampled there."""
     n = max(int(time * clock.rate - clock.ahead), 0)
-    while edge(clock, n) <= time:
+    at = edge(clock, n)
+    while at <= time:
         n += 1
-    while n > 0 and edge(clock, n - 1) > time:
+        at = edge(clock, n)
+    while n > 0 and at - time > clock.whole and edge(clock, n - 1) > time:
         n -= 1
+        at = edge(clock, n)
     return n
 
 

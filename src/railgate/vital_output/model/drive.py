@@ -41,10 +41,10 @@ def quiet(limit: Any, c: Any) -> bool:
 @njit(nogil=True)
 def tested(limit: Any, c: Any) -> bool:
     """Whether no output is TEST or WAIT any more."""
+    busy = 0
     for i in range(limit.outputs):
-        if c.outputs[i].state in (TEST, WAIT):
-            return False
-    return True
+        busy += c.outputs[i].state in (TEST, WAIT)
+    return busy == 0
 
 
 @njit(nogil=True)

@@ -55,7 +55,7 @@ Part = tuple[str, Any] | tuple[str, Any, int | tuple[int, ...]]
 
 
 def record(names: str, *parts: Part) -> np.dtype[Any]:
-    """A record of numbers, then of parts: each a name, a type, and their number if there are several."""
+    """A record of numbers, then of parts: each a name, a type, and their number if above 1."""
     return np.dtype([(name, np.int64) for name in names.split()] + list(parts))
 
 
@@ -127,10 +127,10 @@ disturbances of the lines. senders: for link_tx, and for the line.
 """
 
 DOMAIN = record(
-    "cursor event time skipped frozen resetting done",
+    "cursor change event time skipped frozen resetting done",
     ("held", np.int64, len(INPUTS)),
 )
-"""A clock domain: the next change of its inputs; its next clock edge that matters, and when that
+"""A clock domain: the next change of its inputs, and its edge; its next clock edge that matters, and when that
 is; edges that were stopped; the edge from which on they are, or NONE; the last tick done."""
 
 RELAYS = record(

@@ -41,7 +41,13 @@ LOG_ROOM = 4 * len(SIGNALS)
 
 
 @njit(nogil=True)
-def open_piece(st: Any, limit: Any, sent: Any, now: int) -> None:
+def step(domain: Any, changes: NDArray[Any]) -> None:
+    """The domain's next change."""
+    domain.change = changes[domain.cursor, 0] if domain.cursor < len(changes) else FAR
+
+
+@njit(nogil=True)
+def open_piece(st: Any, limit: Any, sent: Any, changes: Any, now: int) -> None:
     """A run goes on: what is asked for may be other signals, and the next tick of a channel is
     looked at whether anything is due in it or not."""
     for d in range(2 if st.loop else 1):
@@ -68,13 +74,14 @@ def open_piece(st: Any, limit: Any, sent: Any, now: int) -> None:
             c.shown[PULSES] = c.pulses
     for d in range(3):
         st.domains[d].cursor = 0
+        step(st.domains[d], changes[d])
 
 
 @njit(nogil=True)
-def look(st: Any, d: int, changes: NDArray[Any]) -> None:
+def look(st: Any, d: int) -> None:
     """When is the domain's next edge that matters?"""
     domain = st.domains[d]
-    event = changes[domain.cursor, 0] if domain.cursor < len(changes) else FAR
+    event = domain.change
     if d == RELAYS:
         event = min(event, st.relays.due)
     elif domain.frozen == NONE:
@@ -91,12 +98,13 @@ def sample_relays(st: Any, limit: Any, changes: NDArray[Any]) -> None:
     """What the relays' inputs are in the tick of their event."""
     domain = st.domains[RELAYS]
     held, tick = domain.held, domain.event
-    while domain.cursor < len(changes) and changes[domain.cursor, 0] <= tick:
+    while domain.change <= tick:
         which, value = changes[domain.cursor, 1], changes[domain.cursor, 2]
         if which == ROGUES or which == ROGUES + 1:
             disturb(st, limit, which - ROGUES, held[which] ^ value, domain.time)
         held[which] = value
         domain.cursor += 1
+        step(domain, changes)
     if domain.resetting and not held[RST]:
         domain.resetting = 0
         begin_relays(st, limit, tick)
@@ -111,7 +119,7 @@ def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
     """What a channel's inputs are in the tick of its event, and whether its clock runs."""
     domain, c = st.domains[d], st.channels[d]
     held, touched = domain.held, domain.resetting == 1
-    while domain.cursor < len(changes) and changes[domain.cursor, 0] <= domain.event:
+    while domain.change <= domain.event:
         which, value = changes[domain.cursor, 1], changes[domain.cursor, 2]
         if which in (OPEN, STUCK):
             disturb(st, limit, d, held[which] ^ value, domain.time)
@@ -122,6 +130,7 @@ def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
             domain.frozen = domain.event if value else NONE
         held[which] = value
         domain.cursor += 1
+        step(domain, changes)
         touched = True
     if touched and domain.frozen == NONE:
         tick = domain.event - domain.skipped
@@ -131,7 +140,7 @@ def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
         c.due = tick
         if domain.resetting and not held[RST]:
             domain.resetting = 0
-            begin(limit, c, held, tick)
+            begin(limit, c, domain, tick)
 
 
 @njit(nogil=True)
@@ -183,7 +192,7 @@ def act_channel(
     if tick == c.senders[1].next:
         go_out(st, limit, d, sent[d], calm)
     if tick == c.due:
-        tick_of_channel(limit, c, domain.held, tick, log)
+        tick_of_channel(limit, c, domain, tick, log)
         if c.ceased:
             cease(st, limit, d, tick)
 
@@ -239,12 +248,12 @@ def compiled(sources: str) -> Any:
         st, limit = st_of[0], limit_of[0]
         domains = 3 if st.loop else 1
         if st.fresh and sources:
-            open_piece(st, limit, sent, now)
+            open_piece(st, limit, sent, changes, now)
             st.fresh = 0
         while True:
             time = FAR
             for d in range(domains):
-                look(st, d, changes[d])
+                look(st, d)
                 time = min(time, st.domains[d].time)
             if time >= until or log[0, 0] + LOG_ROOM > len(log):
                 return time < until

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from railgate.vital_output.model.clocks import edge, sampled
+from railgate.vital_output.model.clocks import sampled
 from railgate.vital_output.model.link import complete_tick
 from railgate.vital_output.model.messages import send
 from railgate.vital_output.model.pins import head, push
@@ -127,10 +127,11 @@ def whole(st: Any, limit: Any, d: int, message: Any, calm: NDArray[Any]) -> bool
     n = sampled(clock, c.time)
     tick = n - domain.skipped + limit.input_stages + limit.link_filter_ticks
     arrival = complete_tick(limit, tick)
-    last_edge = edge(clock, n - 1)
-    while calm[c.calm] < last_edge:
+    most = clock.whole + 1
+    while calm[c.calm] < c.time - most:
         c.calm += 1
-    if calm[c.calm] <= edge(clock, arrival + domain.skipped + 2 * limit.bit_ticks + SLACK):
+    ticks = arrival + domain.skipped - n + 2 * limit.bit_ticks + SLACK
+    if calm[c.calm] <= c.time + ticks * most:
         return False
     peer.incoming, peer.arrival = message, arrival
     peer.due = min(peer.due, arrival)

@@ -1,210 +1,275 @@
-"""The peer's clock: found off tolerance in the declared time, never within tolerance."""
+"""The peer's clock: never found off within tolerance, beyond the limit always in its time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from math import ceil
 
 from amaranth.hdl import Module, Mux, Signal, Value, signed
 
-from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run, Search
+from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
 from railgate.vital_output.proofs.stimuli import Step, mutant, trace
 from railgate.vital_output.spec import Config
 from railgate.waves import Trace
 
 __all__ = ["CLAIMS"]
 
-CONFIG = Config()
-PERIOD, LIMIT, WINDOW = CONFIG.link_period_ticks, CONFIG.drift_limit_ticks, CONFIG.window_messages
-MOST_STEPS = 3
-FRACTION_BITS = 10
-TICK = 1 << FRACTION_BITS
-"""Drift is counted in so many parts of a tick."""
 JITTER = 2
 """A message is taken up to so many ticks later than its sender's clock alone has it."""
-TOLERATED = ceil(PERIOD * CONFIG.drift_ppm * TICK / 1_000_000)
-"""Parts of a tick that a message is late or early by, of clocks within their tolerance."""
-BEYOND = ceil((LIMIT + 4) * TICK / WINDOW)
-"""The same, of a clock beyond the limit by 4 ticks in a window."""
-DRIFT_BITS = (PERIOD * MOST_STEPS * TICK).bit_length() + 1
+MOST_STEPS = 3
 INPUTS = {"taken": 1, "step": 2, "jitter": 2, "loses": 1}
+
+
+class _Short(Config):
+    """A window of few messages and a short period; limit and lost link in about their ratios."""
+
+    link_period_ticks = 64
+    drift_limit_ticks = 8
+    lost_ticks = 7 * link_period_ticks // 2
+    drift_detection_ticks = 2 * (16 + MOST_STEPS) * link_period_ticks
+
+    def __post_init__(self) -> None:
+        """What holds between the fields does not matter."""
+
+
+DEFAULT, SHORT = Config(), _Short(window_messages=16)
 
 
 class _Measured(Monitor):
     """An oscillator's measure, and messages that come as their sender's clock and the line have it.
 
     taken, step: in, 1 and 2 bits, a message is taken, so many numbers after the one before. drift:
-    in, signed, parts of a tick that it is later than that by nominal clocks. jitter: in, 2 bits,
-    ticks that it is late besides. loses: in, 1 bit, the link is lost; so it is in any case after
-    lost_ticks. Assumed is that the ticks between messages are what these tell.
+    in, signed, in 2^-fraction_bits ticks, how much later that is than by equal clocks. jitter: in,
+    2 bits, ticks that it is late besides. loses: in, 1 bit, the link is lost; so it is in any case
+    after lost_ticks. Assumed is that as many ticks are between messages as these tell.
     """
 
-    def __init__(self, lemmas: Iterable[str], inputs: Mapping[str, int] | None = None) -> None:
-        drift = {"drift": signed(DRIFT_BITS)}
-        super().__init__({**INPUTS, **drift, **(inputs or {})}, ("measures", "ranges", *lemmas))
-        reach = signed(DRIFT_BITS + 2)
-        self.lag, self.lag_now = Signal(reach), Signal(reach)  # since the window's first message
-        self.jitter_last, self.jitter_first = Signal(2), Signal(2)
-        self.since = Signal(range(CONFIG.lost_ticks + 1), init=1)  # ticks since the last message
-        self.window, self.linked, self.counted = Signal(range(WINDOW)), Signal(), Signal()
+    def __init__(self, config: Config, fraction_bits: int, inputs: Mapping[str, int]) -> None:
+        self.config, self.fraction_bits = config, fraction_bits
+        drift = (config.link_period_ticks * MOST_STEPS << fraction_bits).bit_length() + 1
+        super().__init__(
+            {**INPUTS, "drift": signed(drift), **inputs}, ("measures", "ranges", "bound")
+        )
+        self.since = Signal(range(config.lost_ticks + 1), init=1)  # ticks since the last message
+        self.linked, self.window = Signal(), Signal(range(config.window_messages))
+        # Since the window's first message: by how much the last one was late, and the next one is.
+        self.lag, self.lag_now = (Signal(signed(drift + 2), name=name) for name in ("lag", "now"))
+        self.late_first, self.late_last = Signal(2), Signal(2)
+        self.ends = Signal()  # the window, with the message of this tick
 
     def oscillator(self, m: Module) -> Internals:
-        """Adds it. counted: a message is taken that tells of the clock."""
+        """Adds it, with the link, and what binds it to lags."""
         from railgate.vital_output.gateware.oscillator import Oscillator
 
-        m.submodules.dut = inner = Internals(dut := Oscillator(CONFIG))
-        lost = self.linked & ~self.taken & (self.loses | (self.since == CONFIG.lost_ticks))
+        config, period = self.config, self.config.link_period_ticks
+        m.submodules.dut = inner = Internals(dut := Oscillator(config))
         m.d.comb += [
-            *(dut.linked.eq(self.linked), dut.taken.eq(self.taken), dut.step.eq(self.step)),
-            self.counted.eq(self.linked & self.taken),
+            dut.linked.eq(self.linked),
+            dut.taken.eq(self.taken),
+            dut.step.eq(self.step),
             self.lag_now.eq(self.lag + self.drift),
         ]
-        off = (self.lag_now >> FRACTION_BITS) + self.jitter - self.jitter_first
-        self.over = (off > LIMIT) | (off < -LIMIT)
-        self.ends = self.window + self.step >= WINDOW
-        m.d.sync += self.since.eq(Mux(self.since == CONFIG.lost_ticks, self.since, self.since + 1))
-        with m.If(lost):
-            m.d.sync += self.linked.eq(0)
+        off = self.ticks(self.lag_now) + self.jitter - self.late_first
+        over = (off > config.drift_limit_ticks) | (off < -config.drift_limit_ticks)
+        full = self.window + self.step >= config.window_messages
+        m.d.comb += self.ends.eq(self.taken & (~self.linked | over | full))
+        silent = self.since == config.lost_ticks
+        m.d.sync += self.since.eq(Mux(self.taken, 1, self.since + ~silent))
         with m.If(self.taken):
-            m.d.sync += [self.linked.eq(1), self.since.eq(1), self.jitter_last.eq(self.jitter)]
-            m.d.sync += [self.lag.eq(self.lag_now), self.window.eq(self.window + self.step)]
-            with m.If(~self.linked | self.over | self.ends):
-                m.d.sync += [
-                    self.lag.eq(self.lag_now[:FRACTION_BITS]),
-                    self.window.eq(0),
-                    self.jitter_first.eq(self.jitter),
-                ]
-        spans = Mux(self.step == 1, PERIOD, Mux(self.step == 2, 2 * PERIOD, 3 * PERIOD))
-        whole = self.lag >> FRACTION_BITS
-        later = (self.lag_now >> FRACTION_BITS) - whole
-        in_time = self.since == spans + later + self.jitter - self.jitter_last
+            m.d.sync += [
+                self.linked.eq(1),
+                self.window.eq(Mux(self.ends, 0, self.window + self.step)),
+                self.lag.eq(Mux(self.ends, self.lag_now[: self.fraction_bits], self.lag_now)),
+                self.late_last.eq(self.jitter),
+            ]
+            with m.If(self.ends):
+                m.d.sync += self.late_first.eq(self.jitter)
+        with m.Elif(self.loses | silent):
+            m.d.sync += self.linked.eq(0)
+
+        later = self.ticks(self.lag_now) - self.ticks(self.lag) + self.jitter - self.late_last
+        due = self.since == self.step * period + later
         m.d.comb += [
             self.assumed.eq(
                 (self.jitter <= JITTER)
-                & (~self.counted | ((self.step != 0) & in_time & self._drifts()))
+                & (~(self.linked & self.taken) | ((self.step != 0) & due & self.drifts()))
             ),
             self.lemma.measures.eq(
                 (inner["window"] == self.window)
-                & (
-                    ~self.linked
-                    | (
-                        inner["offset"]
-                        == whole + self.jitter_last - self.jitter_first + self.since - 1
-                    )
-                )
+                & (~self.linked | (inner["offset"] == self.shift() + self.since - 1))
             ),
             self.lemma.ranges.eq(
                 (self.since >= 1)
-                & (self.since <= CONFIG.lost_ticks)
-                & (self.jitter_last <= JITTER)
-                & (self.jitter_first <= JITTER)
+                & (self.since <= config.lost_ticks)
+                & (self.late_last <= JITTER)
+                & (self.late_first <= JITTER)
             ),
         ]
         return inner
 
-    def _drifts(self) -> Value:
-        """What is assumed of the drift of a message that counts."""
+    def ticks(self, lag: Value) -> Value:
+        return lag >> self.fraction_bits
+
+    def shift(self) -> Value:
+        """Ticks that the last message came late, since the window's first."""
+        return self.ticks(self.lag) + self.late_last - self.late_first
+
+    def drifts(self) -> Value:
+        """What is assumed of the drift of a message."""
         raise NotImplementedError
 
 
 class _Within(_Measured):
-    """Within tolerance, no clock is ever found off."""
+    """Clocks within their tolerance: the peer's is never found off."""
 
     def __init__(self) -> None:
-        super().__init__(("bound",))
+        super().__init__(DEFAULT, 10, {})
+        drift = DEFAULT.link_period_ticks * DEFAULT.drift_ppm << self.fraction_bits
+        self.most = ceil(drift / 1_000_000)
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.oscillator(m)
-        most = self.window * TOLERATED
+        most = self.window * self.most
+        above = most + (1 << self.fraction_bits)
         m.d.comb += [
-            self.lemma.bound.eq(
-                ~self.linked | ((self.lag >= -most) & (self.lag < most + TICK))
-            ),
+            self.lemma.bound.eq(~self.linked | ((self.lag >= -most) & (self.lag < above))),
             self.holds.eq(~inner["off_frequency"] & ~inner["drifting"]),
-            self.reached.eq(self.counted & (self.lag > TOLERATED)),
+            self.reached.eq(self.ends & (self.shift() > self.config.drift_limit_ticks // 2)),
         ]
         return m
 
-    def _drifts(self) -> Value:
-        most = self.step * TOLERATED
+    def drifts(self) -> Value:
+        most = self.step * self.most
         return (self.drift >= -most) & (self.drift <= most)
 
 
 class _Beyond(_Measured):
-    """A clock that is off from some tick on is found, and stays found, while its messages come.
+    """A clock that is off from some tick on is found, and stays found while its messages come.
 
-    begins: in, 1 bit, it is off from this tick on; fast: in, 1 bit, in that tick, which way.
+    begins: in, 1 bit, it is off from this tick on. fast: in, 1 bit, in that tick: which way.
     """
 
     def __init__(self) -> None:
-        super().__init__(("bound",), {"begins": 1, "fast": 1})
+        super().__init__(SHORT, 4, {"begins": 1, "fast": 1})
         self.off, self.early = Signal(), Signal()
+        beyond = SHORT.drift_limit_ticks + 4 << self.fraction_bits
+        self.least = ceil(beyond / SHORT.window_messages)
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.oscillator(m)
-        declared = CONFIG.drift_detection_ticks
-        ticks = Signal(range(2 * declared))  # linked, since it is off
-        only = Signal()  # all of this window
+        declared, limit = SHORT.drift_detection_ticks, SHORT.drift_limit_ticks
+        ticks = Signal(range(2 * declared))  # linked, and it is off
+        only = Signal()  # it was throughout this window
         with m.If(self.begins & ~self.off):
             m.d.sync += [self.off.eq(1), self.early.eq(self.fast)]
-        with m.If(self.off & self.linked):
-            m.d.sync += ticks.eq(ticks + ~ticks.all())
-        with m.If(~self.linked):
-            m.d.sync += ticks.eq(0)
-        with m.If(self.taken & self.off & (~self.linked | self.over | self.ends)):
+        m.d.sync += ticks.eq(Mux(self.linked, ticks + (self.off & ~ticks.all()), 0))
+        with m.If(self.ends & self.off):
             m.d.sync += only.eq(1)
 
-        drifting, behind = inner["drifting"], self.window * BEYOND
-        shifted = (self.lag >> FRACTION_BITS) + self.jitter_last - self.jitter_first
-        here = self.since + self.window * PERIOD + shifted
-        before = (WINDOW + MOST_STEPS - 1) * PERIOD + 2 * LIMIT
+        drifting, behind = inner["drifting"], self.window * self.least
+        here = self.since + self.window * SHORT.link_period_ticks + self.shift()
+        window = (SHORT.window_messages + MOST_STEPS - 1) * SHORT.link_period_ticks
         m.d.comb += [
             self.lemma.bound.eq(
                 (self.off | (~only & (ticks == 0)))
                 & (
                     ~self.linked
-                    | (shifted >= -LIMIT)
-                    & (shifted <= LIMIT)
-                    & (only | (ticks <= here + LIMIT))
-                    & (~only | drifting | (ticks <= before + here))
-                    & (~only | Mux(self.early, self.lag <= TICK - behind, self.lag >= behind))
+                    | (self.shift() >= -limit)
+                    & (self.shift() <= limit)
+                    & (only | (ticks <= here + limit))
+                    & (~only | drifting | (ticks <= window + 2 * limit + here))
+                    & (
+                        ~only
+                        | Mux(
+                            self.early,
+                            self.lag < (1 << self.fraction_bits) - behind,
+                            self.lag >= behind,
+                        )
+                    )
                 )
             ),
             self.holds.eq(drifting | ~self.linked | (ticks <= declared)),
-            self.reached.eq(self.linked & only & drifting & (ticks > declared // 2)),
+            self.reached.eq(self.linked & drifting & (ticks > declared)),
         ]
         return m
 
-    def _drifts(self) -> Value:
-        least = self.step * BEYOND
-        return ~self.off | Mux(self.early, self.drift <= -least, self.drift >= least)
+    def drifts(self) -> Value:
+        least = self.step * self.least
+        off = Mux(self.early, self.drift <= -least, self.drift >= least)
+        return ~self.off | off
+
+
+def _messages(monitor: _Measured, late: int, windows: int, beside: Mapping[str, int]) -> Trace:
+    """Messages over so many windows and a bit, each one this later than by equal clocks."""
+    period, bits = monitor.config.link_period_ticks, monitor.fraction_bits
+    steps: list[Step] = [(1, {"taken": 1, "step": 1, **beside})]
+    for number in range(windows * monitor.config.window_messages + MOST_STEPS):
+        later = ((number + 1) * late >> bits) - (number * late >> bits)
+        steps += [(period + later - 1, {}), (1, {"taken": 1, "step": 1, "drift": late})]
+    shape = Value.cast(monitor.drift).shape()
+    return trace({**INPUTS, "drift": shape, "begins": 1, "fast": 1}, steps)
+
+
+def _within() -> Trace:
+    monitor = _Within()
+    return _messages(monitor, monitor.most, 2, {})
+
+
+def _beyond(fast: bool) -> Trace:
+    monitor = _Beyond()
+    drift = -monitor.least if fast else monitor.least
+    return _messages(monitor, drift, 3, {"begins": 1, "fast": fast})
+
+
+WITHIN = Run(_within().end, _within)
+SLOW, FAST = (Run(_beyond(fast).end, partial(_beyond, fast)) for fast in (False, True))
+
+
+def _mutant(name: str, old: str, new: str, rejected: Run) -> Mutant:
+    return mutant(name, "oscillator", old, new, rejected)
 
 
 CLAIMS = (
     Claim(
         name="vital_output.clock-within",
-        claim="x.",
-        requirements=("DRV-17",),
+        claim=(
+            "For ever, while two clocks are within their tolerance, 200 ppm from one another, and a "
+            f"message is up to {JITTER} ticks late by line and receiver, the peer's clock is never "
+            "found off, whichever messages are lost, and however often the link is (default "
+            "configuration; drift in 1/1024 of a tick)."
+        ),
+        requirements=("DRV-14", "DRV-17"),
         monitor=_Within,
         method=Induction(),
-        cover=Run(10),
+        cover=WITHIN,
         mutants=(
-            mutant("a","oscillator","a","b"),
-            mutant("a2","oscillator","a","b"),
+            _mutant("half-the-limit", "limit, period = config.drift_limit_ticks,", "limit, period = config.drift_limit_ticks // 2,", WITHIN),
+            _mutant("a-tick-a-message", "steps * period - 1", "steps * period - 2", WITHIN),
+            _mutant("adds-up-windows", "m.d.sync += [offset.eq(0), window.eq(0)]", "m.d.sync += window.eq(0)", WITHIN),
         ),
     ),
     Claim(
         name="vital_output.clock-beyond",
-        claim="x.",
+        claim=(
+            "For ever, a clock that is off either way by 4 ticks in a window more than the limit, "
+            "or more, from any tick on, is found off within drift_detection_ticks of the link's "
+            "time, or the link is lost, and it stays found while messages come, whichever of them "
+            f"are lost ({SHORT.link_period_ticks} ticks from message to message, "
+            f"{SHORT.window_messages} in a window, limit {SHORT.drift_limit_ticks} ticks, lost_ticks "
+            f"{SHORT.lost_ticks}, drift_detection_ticks {SHORT.drift_detection_ticks}, a message up "
+            f"to {JITTER} ticks late, drift in 1/16 of a tick)."
+        ),
         requirements=("DRV-17",),
         monitor=_Beyond,
         method=Induction(),
-        cover=Run(10),
+        cover=SLOW,
         mutants=(
-            mutant("a","oscillator","a","b"),
-            mutant("a2","oscillator","a","b"),
+            _mutant("slow-alone", " | (offset < span - limit)", "", FAST),
+            _mutant("half-a-window", ">= config.window_messages)", ">= config.window_messages // 2)", SLOW),
+            _mutant("forgets", "with m.Elif(self.linked & self.taken & passes):", "with m.Elif(self.linked & self.taken):", SLOW),
         ),
     ),
 )

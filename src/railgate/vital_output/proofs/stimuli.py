@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from amaranth.hdl import Shape, ShapeLike
+
 from railgate.proving import TICK, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
 
@@ -13,16 +15,16 @@ Step = tuple[int, Mapping[str, int]]
 """For so many ticks these inputs have these values, all others 0."""
 
 
-def trace(widths: Mapping[str, int], steps: Sequence[Step]) -> Trace:
-    """The inputs of these widths, step after step."""
+def trace(widths: Mapping[str, ShapeLike], steps: Sequence[Step]) -> Trace:
+    """The inputs of these widths, or shapes, step after step."""
     starts, now = [], 0
     for ticks, _ in steps:
         starts.append(now)
         now += ticks
-    waves = {
-        name: Waveform.of(starts, [values.get(name, 0) for _, values in steps], width)
-        for name, width in widths.items()
-    }
+    waves = {}
+    for name, width in widths.items():
+        values, shape = [told.get(name, 0) for _, told in steps], Shape.cast(width)
+        waves[name] = Waveform.of(starts, values, shape.width, shape.signed)
     return Trace(waves, TICK, 0, now)
 
 
