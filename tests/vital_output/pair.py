@@ -19,14 +19,16 @@ from railgate.vital_output.plant.scenario import Scenario
 from railgate.vital_output.plant.time import Update, port
 from railgate.vital_output.simulate import COUNTS, Run
 from railgate.vital_output.situations import ready_s
-from railgate.vital_output.spec import Config
+from railgate.vital_output.spec import Config, State
 from railgate.waves import Trace, Waveform
 
 __all__ = [
     "COMMON",
     "ENGINE",
     "RELAY",
+    "busy",
     "driving",
+    "entries",
     "frames_of",
     "inputs",
     "opened",
@@ -115,3 +117,24 @@ def wrong(of: Run) -> tuple[dict[str, int], dict[str, int]]:
         {name: count for name, count in each.items() if name not in COMMON} for each in totals(of)
     )
     return first, second
+
+
+def entries(of: Run, fpga: int, output: int, state: State) -> list[int]:
+    """The femtoseconds in which an output enters a state."""
+    transitions = of.channels[fpga - 1].transitions(output)
+    return [at for at, _, new in transitions if new == state]
+
+
+def busy(
+    scenario: Scenario, config: Config, fpga: int, spans: Sequence[tuple[int, int]]
+) -> Waveform:
+    """For `relay.stuck_…` of the FPGA: feedback of pulses that keeps output 0 from IDLE during
+    these femtoseconds, by rises that are neither 0 Hz nor the right frequency."""
+    edges, ticks = Edges(scenario.clocks(config)[fpga - 1]), []
+    zero, apart = config.zero_ticks, config.zero_ticks * 3 // 4
+    for begin, end in spans:
+        first, last = edges.during([begin, end]).tolist()
+        rises = np.arange(last - zero, first, -apart)[::-1]
+        ticks += np.stack([rises, rises + apart // 2], axis=1).ravel().tolist()
+    times = edges.begin(ticks)
+    return Waveform.of(np.append(0, times), np.arange(times.size + 1) % 2, config.outputs)

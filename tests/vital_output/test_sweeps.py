@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railgate.vital_output.plant.cpu import Command, Cpus, Frame
-from railgate.vital_output.plant.edges import FEMTOSECOND, Edges
+from railgate.vital_output.plant.edges import FEMTOSECOND
 from railgate.vital_output.plant.relay import RelayTimes
 from railgate.vital_output.plant.scenario import Scenario
 from railgate.vital_output.simulate import Run
@@ -24,7 +24,7 @@ from railgate.vital_output.situations import ready_s
 from railgate.vital_output.spec import Config, State
 from railgate.waves import Trace, Waveform
 from vital_output.messages import Line
-from vital_output.pair import RELAY, driving, frames_of, inputs, run, wrong
+from vital_output.pair import RELAY, busy, driving, entries, frames_of, inputs, run, wrong
 from vital_output.scenarios import clocks, scenarios
 from vital_output.small import SMALL
 
@@ -132,30 +132,6 @@ def switching(trials: int, timing: dict[str, Fraction]) -> Scenario:
     return Scenario(commands=tuple(commands), seconds=seconds, relay=RELAY, **timing)
 
 
-def entries(found: Run, fpga: int, state: State) -> list[int]:
-    """The femtoseconds in which the output enters a state."""
-    transitions = found.channels[fpga - 1].transitions(OUTPUT)
-    return [at for at, _, new in transitions if new == state]
-
-
-SETTLED = 4
-"""Cycles after which a contact has followed a command."""
-
-BETWEEN = 300
-"""Ticks from rise to rise that still are no 0 Hz, and far from the right frequency."""
-
-
-def busy(scenario: Scenario, fpga: int, spans: Sequence[tuple[int, int]]) -> Waveform:
-    """Feedback of the FPGA's pulses that keeps the output from IDLE during these femtoseconds."""
-    edges, ticks = Edges(scenario.clocks(SMALL)[fpga - 1]), []
-    for begin, end in spans:
-        first, last = edges.during([begin, end]).tolist()
-        rises = np.arange(last - SMALL.zero_ticks, first, -BETWEEN)[::-1]
-        ticks += np.stack([rises, rises + BETWEEN // 2], axis=1).ravel().tolist()
-    times = edges.begin(ticks)
-    return Waveform.of(np.append(0, times), np.arange(times.size + 1) % 2, SMALL.outputs)
-
-
 def assert_handshakes(
     timing: dict[str, Fraction], delay_ticks: int, late_fpga: int, lates: Sequence[int]
 ) -> list[bool]:
@@ -163,17 +139,17 @@ def assert_handshakes(
     Whether both then drive; if not, neither does for long, and both tell so."""
     scenario = switching(len(lates), timing)
     plain = run(scenario, SMALL, None, delay_ticks)
-    begun = entries(plain, 3 - late_fpga, State.PRE_DRIVE)
+    begun = entries(plain, 3 - late_fpga, OUTPUT, State.PRE_DRIVE)
     spans = [(at - 2000 * TICK, at + late * TICK) for at, late in zip(begun, lates, strict=True)]
-    wires = {f"relay.stuck_{late_fpga}": busy(scenario, late_fpga, spans)}
+    wires = {f"relay.stuck_{late_fpga}": busy(scenario, SMALL, late_fpga, spans)}
     found = run(scenario, SMALL, inputs(scenario, SMALL, wires=wires), delay_ticks)
-    assert entries(found, 3 - late_fpga, State.PRE_DRIVE) == begun
+    assert entries(found, 3 - late_fpga, OUTPUT, State.PRE_DRIVE) == begun
     closings = found.trace["contact"].rising()
-    alarms = [entries(found, fpga, State.HANDSHAKE_ALARM) for fpga in (1, 2)]
+    alarms = [entries(found, fpga, OUTPUT, State.HANDSHAKE_ALARM) for fpga in (1, 2)]
     trials = [(command.start_s, command.start_s + (ON + OFF) * CYCLE) for command in scenario.commands[::2]]
     told = []
     for entered, other, late, trial in zip(
-        entries(found, late_fpga, State.PRE_DRIVE), begun, lates, trials, strict=True
+        entries(found, late_fpga, OUTPUT, State.PRE_DRIVE), begun, lates, trials, strict=True
     ):
         assert abs(entered - other - late * TICK) <= 12 * TICK
         begin, end = (int(time / FEMTOSECOND) for time in trial)

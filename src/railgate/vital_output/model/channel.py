@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from railgate.vital_output.model.drive import drive, test
 from railgate.vital_output.model.frames import GOOD, ahead, count, take_byte, told, trusted
@@ -17,7 +16,7 @@ from railgate.vital_output.model.records import COUNTERS, FAR, INPUTS, SIGNALS, 
 from railgate.vital_output.model.vote import keep, vote
 from railgate.vital_output.spec import Cause, State
 
-__all__ = ["begin", "halt", "put", "tick_of_channel"]
+__all__ = ["begin", "halt", "tick_of_channel"]
 
 PAYLOAD, VALID = INPUTS.index("command.payload"), INPUTS.index("command.valid")
 TIME_INDEX, TIME_PHASE = INPUTS.index("time.index"), INPUTS.index("time.phase")
@@ -36,18 +35,6 @@ HIGHEST_CAUSE = int(max(Cause))
 IDLE = int(State.IDLE)
 STATE_BITS = 3
 WORD = (1 << 32) - 1
-
-
-@njit(nogil=True)
-def put(log: NDArray[Any], c: Any, signal: int, value: int) -> None:
-    """A signal is `value` from the edge on that ends this tick. log: first of all how many rows it
-    has, then rows of time, signal and value."""
-    if c.shown[signal] != value:
-        c.shown[signal] = value
-        if c.wanted[signal]:
-            row = log[log[0, 0]]
-            row[0], row[1], row[2] = c.time, c.base + signal, value
-            log[0, 0] += 1
 
 
 @njit(nogil=True)
@@ -81,12 +68,13 @@ def begin(limit: Any, c: Any, domain: Any, tick: int) -> None:
 
 
 @njit(nogil=True)
-def halt(limit: Any, c: Any, log: NDArray[Any]) -> None:
+def halt(limit: Any, c: Any) -> None:
     """Reset: from the next tick on all outputs are as at start, and nothing happens."""
     c.due = c.latch = c.toggle = c.senders[0].next = c.senders[1].next = FAR
     c.pulses = 0
     for signal in range(len(SIGNALS)):
-        put(log, c, signal, limit.starts[signal])
+        c.shown[signal] = limit.starts[signal]
+    c.news = 1
 
 
 @njit(nogil=True)
@@ -156,31 +144,32 @@ def unsettled(was: Any, r: Any) -> bool:
 
 
 @njit(nogil=True)
-def show(limit: Any, c: Any, tick: int, log: NDArray[Any]) -> None:
+def show(limit: Any, c: Any, tick: int) -> None:
     """What the outputs are in the next tick."""
-    r = c.now
-    put(log, c, READY, int(tick + 1 >= r.verdict_tick))
-    put(log, c, INDEX, r.index)
-    put(log, c, TRUSTED, int(trusted(limit, c.was)))
-    put(log, c, SEQUENCE, r.own.sequence)
-    put(log, c, LIFE, r.life)
-    put(log, c, IMAGE, r.image)
-    put(log, c, ACKNOWLEDGE, r.acknowledge)
-    put(log, c, BLOCKED, r.blocked)
-    put(log, c, TEST_PHASE, r.test_phase)
-    put(log, c, LINKED, r.linked)
-    put(log, c, DRIFTING, r.drifting)
-    put(log, c, LATCHED, r.latched)
-    put(log, c, FIRST_CAUSE, r.first_cause)
-    put(log, c, FIRST_OUTPUT, r.first_output)
+    r, shown = c.now, c.shown
+    c.news = 1
+    shown[READY] = tick + 1 >= r.verdict_tick
+    shown[INDEX] = r.index
+    shown[TRUSTED] = trusted(limit, c.was)
+    shown[SEQUENCE] = r.own.sequence
+    shown[LIFE] = r.life
+    shown[IMAGE] = r.image
+    shown[ACKNOWLEDGE] = r.acknowledge
+    shown[BLOCKED] = r.blocked
+    shown[TEST_PHASE] = r.test_phase
+    shown[LINKED] = r.linked
+    shown[DRIFTING] = r.drifting
+    shown[LATCHED] = r.latched
+    shown[FIRST_CAUSE] = r.first_cause
+    shown[FIRST_OUTPUT] = r.first_output
     if c.counted:
         for i in range(len(COUNTERS)):
-            put(log, c, COUNTS + i, c.counts[i] & limit.count_max)
+            shown[COUNTS + i] = c.counts[i] & limit.count_max
         c.counted = 0
 
 
 @njit(nogil=True)
-def show_states(limit: Any, c: Any, log: NDArray[Any]) -> None:
+def show_states(limit: Any, c: Any) -> None:
     """Likewise of the outputs' states, 64 bits at a time."""
     word, bits, signal = np.int64(0), 0, STATES
     for i in range(limit.outputs):
@@ -188,11 +177,11 @@ def show_states(limit: Any, c: Any, log: NDArray[Any]) -> None:
         word |= state << bits
         bits += STATE_BITS
         if bits >= 64:
-            put(log, c, signal, word)
+            c.shown[signal] = word
             bits, signal = bits - 64, signal + 1
             word = state >> STATE_BITS - bits
     if bits:
-        put(log, c, signal, word)
+        c.shown[signal] = word
 
 
 @njit(nogil=True)
@@ -219,7 +208,7 @@ def schedule(limit: Any, c: Any, domain: Any, tick: int) -> int:
 
 
 @njit(nogil=True)
-def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int, log: NDArray[Any]) -> None:
+def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int) -> None:
     """All that happens in one tick, but for what goes out."""
     c.was = c.now
     c.causes = 0
@@ -247,8 +236,8 @@ def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int, log: NDArray[Any
     if c.causes:
         note(c, handshake, feedback)
     if moved:
-        show_states(limit, c, log)
-    show(limit, c, tick, log)
+        show_states(limit, c)
+    show(limit, c, tick)
     if moved or unsettled(was, c.now):
         c.drive_due = tick + 1
     c.due = schedule(limit, c, domain, tick)

@@ -16,7 +16,7 @@ from railgate.engines import Clock
 from railgate.engines.signals import Port, check, chosen, parts, poked
 from railgate.vital_output.model.clocks import clock_of, ticks_of
 from railgate.vital_output.model.limits import limits
-from railgate.vital_output.model.records import FAR, INPUTS, MESSAGE, NONE, SIGNALS, STATE
+from railgate.vital_output.model.records import FAR, INPUTS, NONE, SIGNALS, STATE
 from railgate.vital_output.model.run import run
 from railgate.vital_output.spec import Config
 from railgate.waves import Trace, Waveform
@@ -68,12 +68,11 @@ def channel_outputs(config: Config, prefix: str, base: int) -> list[Output]:
 
 @dataclass
 class State:
-    """All that a model remembers: the run, the messages on their way, the last value of each input,
-    its changes that no edge of a domain has sampled yet, when the lines were disturbed last."""
+    """All that a model remembers: the run, the last value of each input, its changes that no edge
+    of a domain has sampled yet, and when the lines were disturbed last."""
 
     now: int
     record: Any
-    sent: Any
     told: dict[str, int]
     changes: list[Rows]
     calm: Rows
@@ -89,7 +88,6 @@ class Leap:
         clocks: Sequence[Clock],
         base: Fraction,
         signals: tuple[Sequence[Wire], Sequence[Output]],
-        delay_ticks: int = 0,
     ) -> None:
         """clocks: of each domain, in a time base of `base` s."""
         self._name, self._config, self._period = name, config, base
@@ -99,11 +97,10 @@ class Leap:
         self._limits = limits(config)
         self._clocks = [clock_of(clock, base) for clock in clocks]
         self._log = np.empty((LOG_ROWS, 3), np.int64)
-        self._reach = ceil(max(clock.period / base for clock in clocks))
+        self._reach = ceil(max(clock.period / base for clock in clocks)) + 1
         self._state = State(
             now=0,
             record=self._start(),
-            sent=np.zeros((2, delay_ticks // config.link_period_ticks + 2), MESSAGE),
             told=dict.fromkeys(self._wires, 0),
             changes=[np.empty((0, 3), np.int64)] * 3,
             calm=np.empty(0, np.int64),
@@ -112,6 +109,7 @@ class Leap:
     def _start(self) -> Any:
         """The run before its first edge."""
         record = np.zeros(1, STATE)
+        record["reach"] = self._reach
         record["domains"]["resetting"] = 1
         record["domains"]["frozen"] = NONE
         record["domains"]["event"] = record["domains"]["done"] = -1
@@ -163,7 +161,7 @@ class Leap:
         state.record["channels"]["wanted"] = wants[:-1].reshape(1, 2, -1)
         state.record["wanted"], state.record["fresh"] = wants[-1], 1
         self._run(start)
-        shown = np.append(state.record["channels"]["shown"].ravel(), state.record["shown"])
+        shown = np.append(state.record["channels"]["shown"].ravel(), state.record["logged"])
         log = np.concatenate(self._run(until))
         state.now = until
         state.changes = [
@@ -209,7 +207,7 @@ class Leap:
     def _run(self, until: int) -> list[Rows]:
         """Run all edges before then; the log of it."""
         state, log, found, full = self._state, self._log, [], True
-        given = (state.sent, tuple(state.changes), state.calm, log, state.now, until)
+        given = (tuple(state.changes), state.calm, log, state.now, until)
         while full:
             log[0, 0] = 1
             full = run(state.record, self._limits, *given)

@@ -7,6 +7,7 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
+from railgate.vital_output.model.records import SENT
 from railgate.vital_output.spec import Config, State
 
 __all__ = ["FIRST_MESSAGE", "LATCH", "latch", "read", "resume", "send"]
@@ -28,9 +29,9 @@ CRC_BITS = 32
 
 
 @njit(nogil=True)
-def latch(limit: Any, c: Any, message: Any) -> None:
+def latch(limit: Any, c: Any) -> None:
     """The next message is made of what the registers hold."""
-    r = c.now
+    r, message = c.now, c.sent[c.sends % SENT]
     message.number, message.boot, message.test = c.sends & 255, c.boot, r.test_phase
     message.carries, message.passed, message.frame = r.carries, r.passed, r.own
     message.low = message.high = 0
@@ -106,13 +107,10 @@ def read(
 
 
 @njit(nogil=True)
-def send(limit: Any, c: Any, s: Any, sent: Any) -> None:
-    """After this tick a bit of a sender's begins, or the quiet behind them.
-
-    sent: the messages that may still be on their way, each at its number modulo their count.
-    """
+def send(limit: Any, c: Any, s: Any) -> None:
+    """After this tick a bit of a sender's begins, or the quiet behind them."""
     if s.bit == 0:
-        draw(limit, sent[s.number % sent.size], c.board, s.bits, c.values)
+        draw(limit, c.sent[s.number % SENT], c.board, s.bits, c.values)
     last = limit.message_bits
     s.level = s.bits[s.bit]
     s.bit += 1
@@ -126,11 +124,11 @@ def send(limit: Any, c: Any, s: Any, sent: Any) -> None:
 
 
 @njit(nogil=True)
-def resume(limit: Any, c: Any, s: Any, sent: Any, tick: int) -> None:
+def resume(limit: Any, c: Any, s: Any, tick: int) -> None:
     """A sender is as if it had sent all that is due before this tick."""
     first = c.origin + FIRST_MESSAGE - 1 + s.delay
     s.number, s.bit = max(0, (tick - 1 - first) // limit.link_period_ticks), 0
     s.level = 1
     s.next = first + s.number * limit.link_period_ticks
     while s.next < tick:
-        send(limit, c, s, sent)
+        send(limit, c, s)

@@ -16,7 +16,7 @@ from railgate.vital_output.model.engine import (
     channel_inputs,
     channel_outputs,
 )
-from railgate.vital_output.model.records import SIGNALS
+from railgate.vital_output.model.records import SENT, SIGNALS
 from railgate.vital_output.spec import Config
 
 __all__ = ["PairModel", "Relays"]
@@ -52,7 +52,11 @@ class PairModel(Leap):
     def __init__(
         self, config: Config, relay: Relays, clocks: Sequence[Clock], delay_ticks: int = 0
     ) -> None:
-        """clocks: of the domains fpga_1, fpga_2 and relay. delay_ticks: of the lines."""
+        """clocks: of the domains fpga_1, fpga_2 and relay. delay_ticks: of the lines. Raises
+        ValueError where more messages would be on a line than the model remembers."""
+        most = (SENT - 2) * config.link_period_ticks
+        if not 0 <= delay_ticks <= most:
+            raise ValueError(f"delay_ticks must be between 0 and {most}, not {delay_ticks}")
         of = {clock.domain: clock for clock in clocks}
         self._timing = [of[domain] for domain in DOMAINS]
         self._relay, self._delay = relay, delay_ticks
@@ -63,7 +67,7 @@ class PairModel(Leap):
         ]
         signals = _wires(config), outputs
         name = "vital output loop"
-        super().__init__(name, config, self._timing, FEMTOSECOND, signals, delay_ticks)
+        super().__init__(name, config, self._timing, FEMTOSECOND, signals)
 
     def _key(self) -> tuple[Any, ...]:
         relay = self._relay.clock_hz, self._relay.pick_up_ticks, self._relay.release_ticks

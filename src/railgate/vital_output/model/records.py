@@ -14,7 +14,18 @@ import numpy as np
 from railgate.vital_output.model.clocks import CLOCK
 from railgate.vital_output.spec import CAUSES, Config
 
-__all__ = ["COUNTERS", "FAR", "INPUTS", "MESSAGE", "NONE", "OUTPUTS", "SIGNALS", "STATE", "places"]
+__all__ = [
+    "COUNTERS",
+    "FAR",
+    "INPUTS",
+    "NONE",
+    "REGISTERS",
+    "SENT",
+    "SIGNALS",
+    "STATE",
+    "places",
+    "record",
+]
 
 FAR = 1 << 62
 """Later than every tick."""
@@ -23,6 +34,8 @@ NONE = -FAR
 
 OUTPUTS = 64
 """As many as there can be."""
+SENT = 80
+"""More messages than can be on their way on a line."""
 BITS = 512
 """More than the longest message has."""
 IN_FLIGHT = 8
@@ -95,7 +108,7 @@ CHANNEL = record(
     "board base looped origin time due drive_due latch toggle causes boot "
     "begun twice bytes sends receiving begins got arrival counted "
     "pulses still ceased feedback contact line feedback_pin contact_pin link_pin "
-    "drawn restful leapable readable calm",
+    "drawn restful leapable readable news",
     ("now", REGISTERS),
     ("was", REGISTERS),
     ("incoming", MESSAGE),
@@ -108,7 +121,9 @@ CHANNEL = record(
     ("received", np.int8, BITS),
     ("values", np.int64, len(Config().layout.message)),
     ("counts", np.int64, len(COUNTERS)),
+    ("sent", MESSAGE, SENT),
     ("shown", np.int64, len(SIGNALS)),
+    ("logged", np.int64, len(SIGNALS)),
     ("wanted", np.int64, len(SIGNALS)),
 )
 """One channel.
@@ -122,16 +137,19 @@ a message's fields; arrival: the tick in which `incoming` is there as a whole. c
 has grown. still: outputs whose trains are steady; ceased: those of them that end. feedback,
 contact, line: what pulses, relays and wire are; …_pin: what comes of it at the pins. drawn: pulses
 are followed edge by edge; restful: but for steady ones. leapable: the relays always find a steady
-train alive; readable: the peer always reads an undisturbed message; calm: the next of the
-disturbances of the lines. senders: for link_tx, and for the line.
+train alive; readable: the peer always reads an undisturbed message. senders: for link_tx, and for
+the line; sent: the messages that may be on their way, each at its number modulo SENT. shown: what
+the signals are from `time` on; news: some may have changed; logged: what they were before; wanted:
+those that are asked for.
 """
 
 DOMAIN = record(
     "cursor change event time skipped frozen resetting done",
     ("held", np.int64, len(INPUTS)),
 )
-"""A clock domain: the next change of its inputs, and its edge; its next clock edge that matters, and when that
-is; edges that were stopped; the edge from which on they are, or NONE; the last tick done."""
+"""A clock domain: the next change of its inputs, and the edge that samples it; its next edge that
+matters, and when that is; edges that were stopped; the edge from which on they are, or NONE; the
+last tick done. held: its inputs."""
 
 RELAYS = record(
     "due origin period low high pick_up release contact",
@@ -144,11 +162,12 @@ RELAYS = record(
 apart: the first tick of those in which coil and contact have been different."""
 
 STATE = record(
-    "fresh loop shown wanted",
+    "fresh loop logged wanted disturbance calm reach",
     ("clocks", CLOCK, 3),
     ("domains", DOMAIN, 3),
     ("channels", CHANNEL, 2),
     ("relays", RELAYS),
 )
 """All of a run. fresh: a piece begins. loop: whether there are the other channel and the relays.
-shown, wanted: of the relays' contacts, as of a channel's signals."""
+logged, wanted: of the relays' contacts, as of a channel's signals. disturbance: the next one of the
+lines that may not have been sampled yet, `calm` its time; reach: more than any period."""

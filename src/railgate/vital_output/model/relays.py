@@ -6,19 +6,15 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from railgate.vital_output.model.pins import alive, head, seat, turn
-from railgate.vital_output.model.records import FAR, INPUTS, SIGNALS
+from railgate.vital_output.model.records import FAR, INPUTS
 from railgate.vital_output.model.wires import RELAYS, ROGUES, feed, label, repin
 
-__all__ = ["CONTACT", "begin_relays", "halt_relays", "tick_of_relays"]
+__all__ = ["begin_relays", "halt_relays", "tick_of_relays"]
 
 ALL_OPEN = np.int64(0)
 WELDED, BROKEN = INPUTS.index("welded"), INPUTS.index("broken")
-
-CONTACT = 2 * len(SIGNALS)
-"""The contacts' place in the log, behind the signals of both channels."""
 
 
 @njit(nogil=True)
@@ -36,21 +32,17 @@ def begin_relays(st: Any, limit: Any, tick: int) -> None:
 
 
 @njit(nogil=True)
-def halt_relays(st: Any, limit: Any, time: int, log: NDArray[Any]) -> None:
+def halt_relays(st: Any, limit: Any, time: int) -> None:
     """Reset: from the next tick on the contacts are open."""
     st.relays.due = FAR
     if st.relays.contact:
-        switch(st, limit, ALL_OPEN, time, log)
+        switch(st, limit, ALL_OPEN, time)
 
 
 @njit(nogil=True)
-def switch(st: Any, limit: Any, contact: int, time: int, log: NDArray[Any]) -> None:
+def switch(st: Any, limit: Any, contact: int, time: int) -> None:
     """From this time on the contacts are so, and both channels may see it."""
-    st.relays.contact = st.shown = contact
-    if st.wanted:
-        row = log[log[0, 0]]
-        row[0], row[1], row[2] = time, CONTACT, contact
-        log[0, 0] += 1
+    st.relays.contact = contact
     for d in range(2):
         c, domain = st.channels[d], st.domains[d]
         c.contact = contact
@@ -58,7 +50,7 @@ def switch(st: Any, limit: Any, contact: int, time: int, log: NDArray[Any]) -> N
 
 
 @njit(nogil=True)
-def tick_of_relays(st: Any, limit: Any, tick: int, time: int, log: NDArray[Any]) -> None:
+def tick_of_relays(st: Any, limit: Any, tick: int, time: int) -> None:
     """All that happens in one tick, which ends at this time."""
     r, held = st.relays, st.domains[RELAYS].held
     due, changed, moved = FAR, 0, False
@@ -86,7 +78,7 @@ def tick_of_relays(st: Any, limit: Any, tick: int, time: int, log: NDArray[Any])
             changed |= 1 << i
             r.apart[i] = FAR
     if changed:
-        switch(st, limit, r.contact ^ changed, time, log)
+        switch(st, limit, r.contact ^ changed, time)
     if held[ROGUES] | held[ROGUES + 1]:
         phase, half = (tick - r.origin) % r.period, r.period // 2
         due = min(due, tick - phase + (half if phase < half else r.period))

@@ -10,9 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from numba import njit
-from numpy.typing import NDArray
 
-from railgate.vital_output.model.channel import put
 from railgate.vital_output.model.clocks import edge, sampled
 from railgate.vital_output.model.pins import head, push, seat, turn
 from railgate.vital_output.model.records import FAR, places
@@ -37,7 +35,7 @@ PERIODS = 3
 
 
 @njit(nogil=True)
-def turn_pulses(st: Any, limit: Any, d: int, tick: int, log: NDArray[Any]) -> None:
+def turn_pulses(st: Any, limit: Any, d: int, tick: int) -> None:
     """Pulses change in the next tick."""
     c, before = st.channels[d], st.channels[d].pulses
     c.toggle = FAR
@@ -50,7 +48,7 @@ def turn_pulses(st: Any, limit: Any, d: int, tick: int, log: NDArray[Any]) -> No
             if level and o.regular > PERIODS and may_rest(st, d, i):
                 rest(st, d, i)
         c.toggle = min(c.toggle, o.toggle)
-    put(log, c, PULSES, c.pulses)
+    c.shown[PULSES], c.news = c.pulses, 1
     if c.looped and c.pulses != before:
         c.feedback = c.pulses
         repin(limit, c, st.domains[d], tick + 1)

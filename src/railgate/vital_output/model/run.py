@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from railgate.vital_output.model.channel import begin, halt, put, tick_of_channel
+from railgate.vital_output.model.channel import begin, halt, tick_of_channel
 from railgate.vital_output.model.clocks import edge, sampled
 from railgate.vital_output.model.messages import latch, resume, send
 from railgate.vital_output.model.records import FAR, INPUTS, NONE, SIGNALS, places
@@ -36,6 +36,9 @@ LINK_RX, FEEDBACK, CONTACT = (INPUTS.index(n) for n in ("link_rx", "pulse_feedba
 LINK_TX, PULSES = places("link_tx", "pulses")
 ALL, QUIET = np.int64(-1), np.int64(1)
 
+CONTACTS = np.int64(2 * len(SIGNALS))
+"""The contacts' place in the log, behind the signals of both channels."""
+
 LOG_ROOM = 4 * len(SIGNALS)
 """More rows than the log grows by at one time."""
 
@@ -47,18 +50,18 @@ def step(domain: Any, changes: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def open_piece(st: Any, limit: Any, sent: Any, changes: Any, now: int) -> None:
+def open_piece(st: Any, limit: Any, changes: Any, now: int) -> None:
     """A run goes on: what is asked for may be other signals, and the next tick of a channel is
     looked at whether anything is due in it or not."""
     for d in range(2 if st.loop else 1):
         c = st.channels[d]
-        c.calm, c.restful = 0, c.looped and not c.wanted[PULSES]
+        c.restful = c.looped and not c.wanted[PULSES]
         c.drawn = c.looped or c.wanted[PULSES]
         if not st.domains[d].resetting:
             tick = passed(st, d, now) + 1
             c.due = c.drive_due = tick
             if c.wanted[LINK_TX]:
-                resume(limit, c, c.senders[0], sent[d], tick)
+                resume(limit, c, c.senders[0], tick)
                 c.shown[LINK_TX] = c.senders[0].level
             else:
                 c.senders[0].next = FAR
@@ -72,6 +75,8 @@ def open_piece(st: Any, limit: Any, sent: Any, changes: Any, now: int) -> None:
                     c.pulses = c.pulses & ~(1 << i) | level << i
                     c.toggle = min(c.toggle, o.toggle)
             c.shown[PULSES] = c.pulses
+        c.logged = c.shown
+    st.logged, st.disturbance = st.relays.contact, 0
     for d in range(3):
         st.domains[d].cursor = 0
         step(st.domains[d], changes[d])
@@ -118,7 +123,7 @@ def sample_relays(st: Any, limit: Any, changes: NDArray[Any]) -> None:
 def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
     """What a channel's inputs are in the tick of its event, and whether its clock runs."""
     domain, c = st.domains[d], st.channels[d]
-    held, touched = domain.held, domain.resetting == 1
+    held = domain.held
     while domain.change <= domain.event:
         which, value = changes[domain.cursor, 1], changes[domain.cursor, 2]
         if which in (OPEN, STUCK):
@@ -131,8 +136,7 @@ def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
         held[which] = value
         domain.cursor += 1
         step(domain, changes)
-        touched = True
-    if touched and domain.frozen == NONE:
+    if domain.frozen == NONE:
         tick = domain.event - domain.skipped
         if not c.looped:
             c.feedback, c.contact, c.line = held[FEEDBACK], held[CONTACT], held[LINK_RX]
@@ -146,20 +150,21 @@ def sample_channel(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
 @njit(nogil=True)
 def sample(st: Any, limit: Any, d: int, changes: NDArray[Any]) -> None:
     """What a domain's inputs are in the tick of its event."""
+    domain = st.domains[d]
     if d == RELAYS:
         sample_relays(st, limit, changes)
-    else:
+    elif domain.change <= domain.event or domain.resetting:
         sample_channel(st, limit, d, changes)
 
 
 @njit(nogil=True)
-def reset_channel(st: Any, limit: Any, d: int, log: NDArray[Any]) -> None:
+def reset_channel(st: Any, limit: Any, d: int) -> None:
     """A channel is as at start from the next tick on, and so are its wires."""
     domain, c = st.domains[d], st.channels[d]
     if not domain.resetting:
         domain.resetting = 1
         disturb(st, limit, d, ALL, c.time)
-        halt(limit, c, log)
+        halt(limit, c)
         if c.looped:
             c.feedback = 0
             wire(st, limit, d, QUIET, c.time)
@@ -168,9 +173,7 @@ def reset_channel(st: Any, limit: Any, d: int, log: NDArray[Any]) -> None:
 
 
 @njit(nogil=True)
-def act_channel(
-    st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]
-) -> None:
+def act_channel(st: Any, limit: Any, d: int) -> None:
     """What a channel does in the tick of its event."""
     domain, c = st.domains[d], st.channels[d]
     if domain.frozen != NONE:
@@ -178,27 +181,27 @@ def act_channel(
     tick = domain.event - domain.skipped
     c.time = domain.time
     if domain.held[RST]:
-        reset_channel(st, limit, d, log)
+        reset_channel(st, limit, d)
         domain.done = tick
         return
     domain.done = tick
     if tick == c.latch:
-        latch(limit, c, sent[d, c.sends % sent.shape[1]])
+        latch(limit, c)
     if tick == c.toggle:
-        turn_pulses(st, limit, d, tick, log)
+        turn_pulses(st, limit, d, tick)
     if tick == c.senders[0].next:
-        send(limit, c, c.senders[0], sent[d])
-        put(log, c, LINK_TX, c.senders[0].level)
+        send(limit, c, c.senders[0])
+        c.shown[LINK_TX], c.news = c.senders[0].level, 1
     if tick == c.senders[1].next:
-        go_out(st, limit, d, sent[d], calm)
+        go_out(st, limit, d)
     if tick == c.due:
-        tick_of_channel(limit, c, domain, tick, log)
+        tick_of_channel(limit, c, domain, tick)
         if c.ceased:
             cease(st, limit, d, tick)
 
 
 @njit(nogil=True)
-def act_relays(st: Any, limit: Any, log: NDArray[Any]) -> None:
+def act_relays(st: Any, limit: Any) -> None:
     """What the relays do in the tick of their event."""
     domain = st.domains[RELAYS]
     tick = domain.event
@@ -207,21 +210,46 @@ def act_relays(st: Any, limit: Any, log: NDArray[Any]) -> None:
             domain.resetting = 1
             for d in range(2):
                 disturb(st, limit, d, ALL, domain.time)
-            halt_relays(st, limit, domain.time, log)
+            halt_relays(st, limit, domain.time)
         st.relays.due = FAR
         domain.done = tick
         return
     domain.done = tick
-    tick_of_relays(st, limit, tick, domain.time, log)
+    tick_of_relays(st, limit, tick, domain.time)
 
 
 @njit(nogil=True)
-def act(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any], log: NDArray[Any]) -> None:
+def act(st: Any, limit: Any, d: int) -> None:
     """What a domain does in the tick of its event."""
     if d == RELAYS:
-        act_relays(st, limit, log)
+        act_relays(st, limit)
     else:
-        act_channel(st, limit, d, sent, calm, log)
+        act_channel(st, limit, d)
+
+
+@njit(nogil=True)
+def note_down(st: Any, time: int, log: NDArray[Any]) -> None:
+    """What has changed at this time goes into the log, if it is asked for."""
+    for d in range(2):
+        c = st.channels[d]
+        if c.news:
+            c.news = 0
+            for signal in range(len(SIGNALS)):
+                if c.shown[signal] != c.logged[signal]:
+                    c.logged[signal] = c.shown[signal]
+                    if c.wanted[signal]:
+                        write(log, time, c.base + signal, c.shown[signal])
+    if st.relays.contact != st.logged:
+        st.logged = st.relays.contact
+        if st.wanted:
+            write(log, time, CONTACTS, st.logged)
+
+
+@njit(nogil=True)
+def write(log: NDArray[Any], time: int, place: int, value: int) -> None:
+    row = log[0, 0]
+    log[row, 0], log[row, 1], log[row, 2] = time, place, value
+    log[0, 0] = row + 1
 
 
 def compiled(sources: str) -> Any:
@@ -232,7 +260,6 @@ def compiled(sources: str) -> Any:
     def run(
         st_of: Any,
         limit_of: Any,
-        sent: Any,
         changes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
         calm: NDArray[Any],
         log: NDArray[Any],
@@ -241,29 +268,33 @@ def compiled(sources: str) -> Any:
     ) -> bool:
         """Run all edges before `until`; True if the log is full before that.
 
-        st_of, limit_of: shape (1,), STATE and LIMITS. sent: MESSAGE, shape (2, n), see messages.
-        changes: of the inputs of each domain, in rows of edge, input and value. calm: when the
-        lines are disturbed, last of all `until`. log: see channel.put.
+        st_of, limit_of: shape (1,), STATE and LIMITS. changes: of each domain's inputs, in rows of
+        edge, input and value. calm: when the lines are disturbed, last of all `until`. log: first
+        of all how many rows there are with this one, then rows of time, signal and value.
         """
         st, limit = st_of[0], limit_of[0]
         domains = 3 if st.loop else 1
         if st.fresh and sources:
-            open_piece(st, limit, sent, changes, now)
+            open_piece(st, limit, changes, now)
             st.fresh = 0
         while True:
-            time = FAR
+            time = np.int64(FAR)
             for d in range(domains):
                 look(st, d)
                 time = min(time, st.domains[d].time)
             if time >= until or log[0, 0] + LOG_ROOM > len(log):
-                return time < until
+                return bool(time < until)
+            while calm[st.disturbance] < time - st.reach:
+                st.disturbance += 1
+            st.calm = calm[st.disturbance]
             # All that have an edge now sample before any of them changes anything.
             for d in range(domains):
                 if st.domains[d].time == time:
                     sample(st, limit, d, changes[d])
             for d in range(domains):
                 if st.domains[d].time == time:
-                    act(st, limit, d, sent, calm, log)
+                    act(st, limit, d)
+            note_down(st, time, log)
 
     return run
 

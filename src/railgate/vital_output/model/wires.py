@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from railgate.vital_output.model.clocks import sampled
 from railgate.vital_output.model.link import complete_tick
 from railgate.vital_output.model.messages import send
 from railgate.vital_output.model.pins import head, push
-from railgate.vital_output.model.records import FAR, INPUTS, NONE
+from railgate.vital_output.model.records import FAR, INPUTS, NONE, SENT
 
 __all__ = [
     "FLIP_FLOPS",
@@ -110,11 +109,12 @@ def wire(st: Any, limit: Any, d: int, level: int, time: int) -> None:
 
 
 @njit(nogil=True)
-def whole(st: Any, limit: Any, d: int, message: Any, calm: NDArray[Any]) -> bool:
+def whole(st: Any, limit: Any, d: int, message: Any) -> bool:
     """Whether the message that begins now comes in undisturbed: then it does as a whole.
 
     Nothing may disturb it from the receiver's last edge on, since what has changed later is not
-    sampled yet, until some bits behind its end, so that it has left no trace.
+    sampled yet, until some bits behind its end, so that it has left no trace: `calm` is when
+    something does.
     """
     c, peer, domain, clock = st.channels[d], st.channels[1 - d], st.domains[1 - d], st.clocks[1 - d]
     held = domain.held
@@ -127,11 +127,8 @@ def whole(st: Any, limit: Any, d: int, message: Any, calm: NDArray[Any]) -> bool
     n = sampled(clock, c.time)
     tick = n - domain.skipped + limit.input_stages + limit.link_filter_ticks
     arrival = complete_tick(limit, tick)
-    most = clock.whole + 1
-    while calm[c.calm] < c.time - most:
-        c.calm += 1
     ticks = arrival + domain.skipped - n + 2 * limit.bit_ticks + SLACK
-    if calm[c.calm] <= c.time + ticks * most:
+    if st.calm <= c.time + ticks * (clock.whole + 1):
         return False
     peer.incoming, peer.arrival = message, arrival
     peer.due = min(peer.due, arrival)
@@ -139,13 +136,13 @@ def whole(st: Any, limit: Any, d: int, message: Any, calm: NDArray[Any]) -> bool
 
 
 @njit(nogil=True)
-def go_out(st: Any, limit: Any, d: int, sent: Any, calm: NDArray[Any]) -> None:
+def go_out(st: Any, limit: Any, d: int) -> None:
     """A message, or one of its bits, comes to the end of the line's delay."""
     c = st.channels[d]
     s = c.senders[1]
-    if s.bit == 0 and whole(st, limit, d, sent[s.number % sent.size], calm):
+    if s.bit == 0 and whole(st, limit, d, c.sent[s.number % SENT]):
         s.number += 1
         s.next += limit.link_period_ticks
     else:
-        send(limit, c, s, sent)
+        send(limit, c, s)
         wire(st, limit, d, s.level, c.time)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from math import ceil
+from typing import Any
 
-from amaranth.hdl import Module, Mux, Signal, Value, signed
+from amaranth.hdl import Module, Mux, Shape, Signal, Value, signed
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
 from railgate.vital_output.proofs.stimuli import Step, mutant, trace
@@ -19,6 +22,7 @@ JITTER = 2
 """A message is taken up to so many ticks later than its sender's clock alone has it."""
 MOST_STEPS = 3
 INPUTS = {"taken": 1, "step": 2, "jitter": 2, "loses": 1}
+WAY = {"begins": 1, "fast": 1}
 
 
 class _Short(Config):
@@ -33,7 +37,33 @@ class _Short(Config):
         """What holds between the fields does not matter."""
 
 
-DEFAULT, SHORT = Config(), _Short(window_messages=16)
+SHORT = _Short(window_messages=16)
+
+
+@dataclass(frozen=True)
+class _Drift:
+    """How drift is counted: in 2^-fraction_bits ticks, `parts` of which make a message late."""
+
+    config: Config
+    fraction_bits: int
+    parts: int
+
+    @property
+    def shape(self) -> Shape:
+        """Of a message's drift: three periods, either way."""
+        most = self.config.link_period_ticks * MOST_STEPS << self.fraction_bits
+        return signed(most.bit_length() + 1)
+
+
+def _per_message(config: Config, fraction_bits: int, ticks: Fraction) -> _Drift:
+    return _Drift(config, fraction_bits, ceil(ticks * (1 << fraction_bits)))
+
+
+DEFAULT = Config()
+TOLERATED = _per_message(
+    DEFAULT, 10, Fraction(DEFAULT.link_period_ticks * DEFAULT.drift_ppm, 1_000_000)
+)
+BEYOND = _per_message(SHORT, 4, Fraction(SHORT.drift_limit_ticks + 4, SHORT.window_messages))
 
 
 class _Measured(Monitor):
@@ -45,16 +75,17 @@ class _Measured(Monitor):
     after lost_ticks. Assumed is that as many ticks are between messages as these tell.
     """
 
-    def __init__(self, config: Config, fraction_bits: int, inputs: Mapping[str, int]) -> None:
-        self.config, self.fraction_bits = config, fraction_bits
-        drift = (config.link_period_ticks * MOST_STEPS << fraction_bits).bit_length() + 1
+    def __init__(self, drift: _Drift, inputs: Mapping[str, int]) -> None:
+        config = drift.config
+        self.config, self.fraction_bits, self.parts = config, drift.fraction_bits, drift.parts
         super().__init__(
-            {**INPUTS, "drift": signed(drift), **inputs}, ("measures", "ranges", "bound")
+            {**INPUTS, "drift": drift.shape, **inputs}, ("measures", "ranges", "bound")
         )
         self.since = Signal(range(config.lost_ticks + 1), init=1)  # ticks since the last message
         self.linked, self.window = Signal(), Signal(range(config.window_messages))
         # Since the window's first message: by how much the last one was late, and the next one is.
-        self.lag, self.lag_now = (Signal(signed(drift + 2), name=name) for name in ("lag", "now"))
+        lag = signed(drift.shape.width + 2)
+        self.lag, self.lag_now = Signal(lag, name="lag"), Signal(lag, name="lag_now")
         self.late_first, self.late_last = Signal(2), Signal(2)
         self.ends = Signal()  # the window, with the message of this tick
 
@@ -124,14 +155,12 @@ class _Within(_Measured):
     """Clocks within their tolerance: the peer's is never found off."""
 
     def __init__(self) -> None:
-        super().__init__(DEFAULT, 10, {})
-        drift = DEFAULT.link_period_ticks * DEFAULT.drift_ppm << self.fraction_bits
-        self.most = ceil(drift / 1_000_000)
+        super().__init__(TOLERATED, {})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.oscillator(m)
-        most = self.window * self.most
+        most = self.window * self.parts
         above = most + (1 << self.fraction_bits)
         m.d.comb += [
             self.lemma.bound.eq(~self.linked | ((self.lag >= -most) & (self.lag < above))),
@@ -141,7 +170,7 @@ class _Within(_Measured):
         return m
 
     def drifts(self) -> Value:
-        most = self.step * self.most
+        most = self.step * self.parts
         return (self.drift >= -most) & (self.drift <= most)
 
 
@@ -152,10 +181,8 @@ class _Beyond(_Measured):
     """
 
     def __init__(self) -> None:
-        super().__init__(SHORT, 4, {"begins": 1, "fast": 1})
+        super().__init__(BEYOND, WAY)
         self.off, self.early = Signal(), Signal()
-        beyond = SHORT.drift_limit_ticks + 4 << self.fraction_bits
-        self.least = ceil(beyond / SHORT.window_messages)
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -169,7 +196,7 @@ class _Beyond(_Measured):
         with m.If(self.ends & self.off):
             m.d.sync += only.eq(1)
 
-        drifting, behind = inner["drifting"], self.window * self.least
+        drifting, behind = inner["drifting"], self.window * self.parts
         here = self.since + self.window * SHORT.link_period_ticks + self.shift()
         window = (SHORT.window_messages + MOST_STEPS - 1) * SHORT.link_period_ticks
         m.d.comb += [
@@ -197,35 +224,29 @@ class _Beyond(_Measured):
         return m
 
     def drifts(self) -> Value:
-        least = self.step * self.least
+        least = self.step * self.parts
         off = Mux(self.early, self.drift <= -least, self.drift >= least)
         return ~self.off | off
 
 
-def _messages(monitor: _Measured, late: int, windows: int, beside: Mapping[str, int]) -> Trace:
-    """Messages over so many windows and a bit, each one this later than by equal clocks."""
-    period, bits = monitor.config.link_period_ticks, monitor.fraction_bits
-    steps: list[Step] = [(1, {"taken": 1, "step": 1, **beside})]
-    for number in range(windows * monitor.config.window_messages + MOST_STEPS):
-        later = ((number + 1) * late >> bits) - (number * late >> bits)
-        steps += [(period + later - 1, {}), (1, {"taken": 1, "step": 1, "drift": late})]
-    shape = Value.cast(monitor.drift).shape()
-    return trace({**INPUTS, "drift": shape, "begins": 1, "fast": 1}, steps)
+def _messages(drift: _Drift, windows: int, way: Mapping[str, int] | None = None) -> Trace:
+    """Messages over so many windows and a bit, each one later by its drift; way: of a clock that
+    is off from the first tick on."""
+    sign = -1 if way and way["fast"] else 1
+    late = [sign * drift.parts * number >> drift.fraction_bits for number in range(1 << 15)]
+    steps: list[Step] = [(1, {"taken": 1, "step": 1, **(way or {})})]
+    for number in range(windows * drift.config.window_messages + MOST_STEPS):
+        ticks = drift.config.link_period_ticks + late[number + 1] - late[number]
+        steps += [(ticks - 1, {}), (1, {"taken": 1, "step": 1, "drift": sign * drift.parts})]
+    return trace({**INPUTS, "drift": drift.shape, **(WAY if way else {})}, steps)
 
 
-def _within() -> Trace:
-    monitor = _Within()
-    return _messages(monitor, monitor.most, 2, {})
+def _run(*arguments: Any) -> Run:
+    return Run(_messages(*arguments).end, partial(_messages, *arguments))
 
 
-def _beyond(fast: bool) -> Trace:
-    monitor = _Beyond()
-    drift = -monitor.least if fast else monitor.least
-    return _messages(monitor, drift, 3, {"begins": 1, "fast": fast})
-
-
-WITHIN = Run(_within().end, _within)
-SLOW, FAST = (Run(_beyond(fast).end, partial(_beyond, fast)) for fast in (False, True))
+WITHIN = _run(TOLERATED, 2)
+SLOW, FAST = (_run(BEYOND, 3, {"begins": 1, "fast": fast}) for fast in (0, 1))
 
 
 def _mutant(name: str, old: str, new: str, rejected: Run) -> Mutant:
