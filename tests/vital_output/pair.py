@@ -97,7 +97,9 @@ def run(
     given = scenario.controls(config) if given is None else given
     fields = [name for field in config.fields for name, *_ in parts(field.name, field.width)]
     told = [f"fpga_{fpga}.{name}" for fpga in (1, 2) for name in ("command.ready", *fields)]
-    found = opened(scenario, config, delay_ticks).advance(given.end, given, ["contact", *told, *also])
+    found = opened(scenario, config, delay_ticks).advance(
+        given.end, given, ["contact", *told, *also]
+    )
     trace = given.merge(found)
     return Run(engine=ENGINE, config=config, scenario=scenario, trace=trace, waves=trace)
 

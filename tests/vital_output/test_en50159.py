@@ -14,11 +14,8 @@ import numpy as np
 import pytest
 
 from railgate.vital_output.plant.cpu import Frame
-from railgate.vital_output.plant.edges import Edges
-from railgate.vital_output.plant.scenario import Scenario
 from railgate.vital_output.simulate import Run
-from railgate.vital_output.spec import Cause, Layout, pack
-from railgate.waves import Waveform
+from railgate.vital_output.spec import Cause, Config, pack
 from vital_output.pair import driving, frames_of, inputs, run, wrong
 from vital_output.small import SMALL
 
@@ -45,9 +42,9 @@ class FalseFrame(Frame):
     identity: int | None = None
     spoilt: Callable[[bytes], bytes] = kept
 
-    def encoded(self, config: object) -> bytes:
+    def encoded(self, config: Config) -> bytes:
         fields = {name: getattr(self, name) for name in ("sequence", "image", "acknowledge")}
-        identity = SMALL.boards[self.board] if self.identity is None else self.identity
+        identity = config.boards[self.board] if self.identity is None else self.identity
         crc = LAYOUT.crc(identity, self.time, fields)
         whole = pack(LAYOUT.frame, {**fields, "crc": crc}) ^ self.inverted
         return self.spoilt(whole.to_bytes(LAYOUT.frame_bytes, "big"))
@@ -282,7 +279,9 @@ def test_every_bit_of_a_frame_is_needed(cpu: int) -> None:
 
     found = with_frames(cpu, changed)
     causes = (Cause.FORMAT, Cause.CORRUPTION)
-    told = sorted((at, c) for c in causes for at, _ in found.channels[cpu - 1].counted(c.name.lower()))
+    told = sorted(
+        (at, c) for c in causes for at, _ in found.channels[cpu - 1].counted(c.name.lower())
+    )
     places = LAYOUT.frame_bytes - np.arange(bits) // 8 - 1
     beyond = ((places == 4) | (places == 5)) & (np.arange(bits) % 8 >= SMALL.outputs)
     assert [cause for _, cause in told] == [causes[not each] for each in beyond]

@@ -115,7 +115,10 @@ def disturbed(fpga: int, pattern: int, kind: str = "flip") -> Run:
 
 def assert_unmoved(found: Run) -> None:
     """What is commanded and driven is as if nothing had been."""
-    for name in ("contact", *(f"fpga_{c}.{n}" for c in (1, 2) for n in ("image", "states", "life"))):
+    for name in (
+        "contact",
+        *(f"fpga_{c}.{n}" for c in (1, 2) for n in ("image", "states", "life")),
+    ):
         assert clean().trace[name].first_difference(found.trace[name]) is None
     for before, after in zip(clean().channels, found.channels, strict=True):
         assert before.total("accepted") == after.total("accepted")

@@ -17,7 +17,7 @@ from railgate.engines import open_engine
 from railgate.vital_output.design import design
 from railgate.vital_output.observed import Frame as Seen
 from railgate.vital_output.plant.cpu import Cpus, Frame
-from railgate.vital_output.plant.edges import FEMTOSECOND, Edges
+from railgate.vital_output.plant.edges import FEMTOSECOND
 from railgate.vital_output.plant.faults import FAULTS, fault
 from railgate.vital_output.plant.relay import RelayTimes
 from railgate.vital_output.plant.scenario import Scenario
@@ -42,8 +42,6 @@ END = LIVE + SMALL.life_cycles + 3
 START = int(ready_s(SMALL) / SMALL.cycle_s) + 1
 TICK = 10**15 // SMALL.clock_hz
 """Femtoseconds."""
-
-
 
 
 def slow_time() -> list[Update]:
@@ -174,8 +172,8 @@ def test_the_declared_reaction_time_is_reached() -> None:
         wires = {"relay.stuck_2": busy(scenario, SMALL, 2, [(hold - 4000 * TICK, hold)])}
         found = run(scenario, SMALL, inputs(scenario, SMALL, frames, time, wires))
         channel = found.channels[1]
-        (dead, _), = channel.counted("life_out")
-        driven, = entries(found, 2, 0, State.DRIVE)
+        ((dead, _),) = channel.counted("life_out")
+        (driven,) = entries(found, 2, 0, State.DRIVE)
         on = int(np.diff(channel.edges.during([driven, dead]))[0])
         hold += on % SMALL.period_ticks * TICK
     assert on % SMALL.period_ticks == 0
@@ -197,7 +195,10 @@ def test_a_channel_drives_on_a_live_image_alone_whatever_its_peer_says(
     ends = np.append(image.falling(), found.end)
     for end in ends[image.at(ends - 1) != 0].tolist():
         store = stored[stored < end][-1]
-        assert end - last_bytes[last_bytes < store - SMALL.check_ticks][-1] <= SMALL.life_bound_ticks
+        assert (
+            end - last_bytes[last_bytes + SMALL.check_ticks < store - 1][-1]
+            <= SMALL.life_bound_ticks
+        )
     ticks = np.unique(np.concatenate([image.ticks, image.ticks + 1, states.ticks]))
     ticks = ticks[(ticks > 0) & (ticks < found.end)]
     pulses = found["pulses"]

@@ -11,13 +11,11 @@ from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railgate.vital_output.plant.cpu import Command, Cpus, Frame
+from railgate.vital_output.plant.cpu import Command, Frame
 from railgate.vital_output.plant.edges import FEMTOSECOND
-from railgate.vital_output.plant.relay import RelayTimes
 from railgate.vital_output.plant.scenario import Scenario
 from railgate.vital_output.simulate import Run
 from railgate.vital_output.situations import ready_s
@@ -120,6 +118,8 @@ def test_frames_pass_wherever_they_are_in_their_cycle(
 CYCLE, MILLI = SMALL.cycle_s, Fraction(1, 1000)
 OUTPUT = 0
 ON, OFF = 2, 3
+SETTLED = 2
+"""Cycles after which the contact has followed a command."""
 """Cycles for which it is commanded on and off."""
 
 
@@ -146,7 +146,10 @@ def assert_handshakes(
     assert entries(found, 3 - late_fpga, OUTPUT, State.PRE_DRIVE) == begun
     closings = found.trace["contact"].rising()
     alarms = [entries(found, fpga, OUTPUT, State.HANDSHAKE_ALARM) for fpga in (1, 2)]
-    trials = [(command.start_s, command.start_s + (ON + OFF) * CYCLE) for command in scenario.commands[::2]]
+    trials = [
+        (command.start_s, command.start_s + (ON + OFF) * CYCLE)
+        for command in scenario.commands[::2]
+    ]
     told = []
     for entered, other, late, trial in zip(
         entries(found, late_fpga, OUTPUT, State.PRE_DRIVE), begun, lates, trials, strict=True
@@ -170,7 +173,9 @@ def assert_handshakes(
 def test_outputs_drive_up_to_the_skew_in_leaving_that_is_declared_and_both_tell_beyond(
     timing: dict[str, Fraction], delay_ticks: int, late_fpga: int, data: st.DataObject
 ) -> None:
-    sure, never = ([least + by for by in range(-12, 4)] for least in (TAU1 - L - DRIFT, TAU1 + DRIFT))
+    sure, never = (
+        [least + by for by in range(-12, 4)] for least in (TAU1 - L - DRIFT, TAU1 + DRIFT)
+    )
     lates = [data.draw(st.sampled_from(few)) for few in (sure, never) for _ in range(3)]
     lates += data.draw(st.lists(st.integers(sure[0], never[-1]), min_size=2, max_size=2))
     told = assert_handshakes(timing, delay_ticks, late_fpga, data.draw(st.permutations(lates)))

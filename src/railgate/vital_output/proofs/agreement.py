@@ -10,7 +10,7 @@ from amaranth.hdl import Cat, Module, Mux, Signal, Value
 from railgate.proving import Claim, Induction, Internals, Run, Search
 from railgate.vital_output.proofs.cut import Told
 from railgate.vital_output.proofs.free import Free, widths
-from railgate.vital_output.proofs.stimuli import Step, mutant, train, trace
+from railgate.vital_output.proofs.stimuli import Step, mutant, trace, train
 from railgate.vital_output.spec import Code, Config, State, TestPhase
 from railgate.waves import Trace
 
@@ -172,22 +172,59 @@ CLAIMS = (
             "For ever and whatever the CPU, the peer, the time and the feedback tell, an output "
             "pulses only after TEST, or after DRIVE with a life and an image bit of 1; and a life "
             "grows, or an image bit becomes 1, only in the tick after one in which the frame last "
-            "accepted has been found equal to a forwarded one and the peer tells that it has passed "
-            "there too (a channel of 2 outputs, else of the default configuration, with command, "
-            "checks, link and time cut out and free)."
+            "accepted has been found equal to a forwarded one and the peer tells that it has "
+            "passed there too (a channel of 2 outputs, else of the default configuration, with "
+            "command, checks, link and time cut out and free)."
         ),
         requirements=("DRV-6", "DRV-7"),
         monitor=_Agreed,
         method=Induction(2),
         cover=SWITCHED_ON[0],
         mutants=(
-            mutant("vote-of-one", "vote", "self.passes.eq(both & same)", "self.passes.eq(own_there & same)", AGREED),
+            mutant(
+                "vote-of-one",
+                "vote",
+                "self.passes.eq(both & same)",
+                "self.passes.eq(own_there & same)",
+                AGREED,
+            ),
             mutant("unpassed-peer", "vote", "                & self.peer_passed\n", "", AGREED),
-            mutant("image-of-the-peer", "vote", "same = self.own.as_value() == forwarded.as_value()", "same = self.own.sequence == forwarded.sequence", AGREED),
-            mutant("life-from-frames", "storage", "life.next.eq(self._config.life_cycles)", "life.next.eq(self._config.life_cycles)\n        with m.Elif(self.accepted):\n            m.d.comb += life.next.eq(1)", AGREED),
-            mutant("image-outlives", "storage", "with m.If(~(self.life_out | self.upset | latched_next)):", "with m.If(~(self.upset | latched_next)):", Search(10)),
-            mutant("pulses-in-pre-drive", "output", "(state.value == State.DRIVE)", "((state.value == State.DRIVE) | (state.value == State.PRE_DRIVE))", SWITCHED_ON[0]),
-            mutant("stays-in-drive", "output", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd):", "with m.Case(State.DRIVE):\n                with m.If(~self.cmd & self.frequency):", SWITCHED_ON[0]),
+            mutant(
+                "image-of-the-peer",
+                "vote",
+                "same = self.own.as_value() == forwarded.as_value()",
+                "same = self.own.sequence == forwarded.sequence",
+                AGREED,
+            ),
+            mutant(
+                "life-from-frames",
+                "storage",
+                "life.next.eq(self._config.life_cycles)",
+                "life.next.eq(self._config.life_cycles)\n        "
+                "with m.Elif(self.accepted):\n            m.d.comb += life.next.eq(1)",
+                AGREED,
+            ),
+            mutant(
+                "image-outlives",
+                "storage",
+                "with m.If(~(self.life_out | self.upset | latched_next)):",
+                "with m.If(~(self.upset | latched_next)):",
+                Search(10),
+            ),
+            mutant(
+                "pulses-in-pre-drive",
+                "output",
+                "(state.value == State.DRIVE)",
+                "((state.value == State.DRIVE) | (state.value == State.PRE_DRIVE))",
+                SWITCHED_ON[0],
+            ),
+            mutant(
+                "stays-in-drive",
+                "output",
+                "with m.Case(State.DRIVE):\n                with m.If(~self.cmd):",
+                "with m.Case(State.DRIVE):\n                with m.If(~self.cmd & self.frequency):",
+                SWITCHED_ON[0],
+            ),
         ),
     ),
     *(
@@ -205,11 +242,39 @@ CLAIMS = (
             method=Induction(),
             cover=SWITCHED_ON[board],
             mutants=(
-                mutant("start-unblocked", "storage", "with m.If(self.booted):", "with m.If(self.booted & self.stored):", SWITCHED_ON[board]),
-                mutant("zero-without-life", "storage", "with m.Elif((life.value != 0) & ~self.upset):", "with m.Elif(~self.upset):", SWITCHED_ON[board]),
-                mutant("drives-untested", "channel", "drives = ~upset & shutoff.both_done", "drives = ~upset", SWITCHED_ON[board]),
-                mutant("tests-beside-drive", "shutoff", "wanted & quiet & self.peer_ok & in_turn", "wanted & self.peer_ok & in_turn"),
-                mutant("tests-out-of-turn", "shutoff", "wanted & quiet & self.peer_ok & in_turn", "wanted & quiet & self.peer_ok"),
+                mutant(
+                    "start-unblocked",
+                    "storage",
+                    "with m.If(self.booted):",
+                    "with m.If(self.booted & self.stored):",
+                    SWITCHED_ON[board],
+                ),
+                mutant(
+                    "zero-without-life",
+                    "storage",
+                    "with m.Elif((life.value != 0) & ~self.upset):",
+                    "with m.Elif(~self.upset):",
+                    SWITCHED_ON[board],
+                ),
+                mutant(
+                    "drives-untested",
+                    "channel",
+                    "drives = ~upset & shutoff.both_done",
+                    "drives = ~upset",
+                    SWITCHED_ON[board],
+                ),
+                mutant(
+                    "tests-beside-drive",
+                    "shutoff",
+                    "wanted & quiet & self.peer_ok & in_turn",
+                    "wanted & self.peer_ok & in_turn",
+                ),
+                mutant(
+                    "tests-out-of-turn",
+                    "shutoff",
+                    "wanted & quiet & self.peer_ok & in_turn",
+                    "wanted & quiet & self.peer_ok",
+                ),
             ),
         )
         for board in (0, 1)

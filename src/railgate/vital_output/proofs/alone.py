@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, EnableInserter, Module, Mux, Signal, Value
+from amaranth.hdl import Cat, EnableInserter, Module, Mux, Signal
 
-from railgate.proving import Bounded, Claim, Internals, Monitor, Search
+from railgate.proving import Bounded, Claim, Monitor, Search
 from railgate.vital_output.proofs.pair import CLOCKS, LINKS, PAIR, Clock, Line
 from railgate.vital_output.proofs.stimuli import mutant
 from railgate.vital_output.spec import Code, State

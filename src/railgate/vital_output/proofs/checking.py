@@ -10,7 +10,7 @@ from unittest.mock import patch
 from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
-from railgate.vital_output.proofs.stimuli import Step, mutant, trace
+from railgate.vital_output.proofs.stimuli import mutant, trace
 from railgate.vital_output.spec import Cause, Config
 from railgate.waves import Trace
 
@@ -26,7 +26,11 @@ COMPARED, TAKEN, SETTLED = 1, 3, CONFIG.check_overhead_ticks - 1
 FIELDS = {"sequence": 32, "image": CONFIG.outputs, "acknowledge": CONFIG.outputs}
 INPUTS = {
     **FIELDS,
-    **{"crc": 32, "malformed": 1, "start": 1, "index": 32, "trusted": 1},
+    "crc": 32,
+    "malformed": 1,
+    "start": 1,
+    "index": 32,
+    "trusted": 1,
     "phase": (CONFIG.cycle_ticks + CONFIG.slew_ticks - 1).bit_length(),
 }
 
@@ -54,7 +58,11 @@ class _Check(Monitor):
         super().__init__(INPUTS, ("times", "feeds", "compares"))
         self.left = Signal(range(CONFIG.check_ticks + 1))  # ticks of the check with this one
         self.run, self.at = Signal(range(RUNS + 1), init=RUNS), Signal(range(COVERED), init=SETTLED)
-        self.index_0, self.fields, self.wanted = Signal(32), Signal(8 * (COVERED - IMPLICIT)), Signal(32)
+        self.index_0, self.fields, self.wanted = (
+            Signal(32),
+            Signal(8 * (COVERED - IMPLICIT)),
+            Signal(32),
+        )
         self.equal = Signal(RUNS)  # the comparisons of this check
         self.early, self.late = Signal(), Signal()
         self.trusted_0, self.malformed_0 = Signal(), Signal()
@@ -86,8 +94,12 @@ class _Check(Monitor):
         with m.If(self.start):
             m.d.sync += self.equal.eq(0)
         with m.Elif((self.run != 0) & (self.at == COMPARED)):
-            m.d.sync += self.equal.bit_select((self.run - 1)[: len(self.run)], 1).eq(crc == self.wanted)
-        newest = Mux((self.run != 0) & (self.at == COMPARED + 1), Const(1, RUNS) << (self.run - 1)[:4], 0)
+            m.d.sync += self.equal.bit_select((self.run - 1)[: len(self.run)], 1).eq(
+                crc == self.wanted
+            )
+        newest = Mux(
+            (self.run != 0) & (self.at == COMPARED + 1), Const(1, RUNS) << (self.run - 1)[:4], 0
+        )
 
         own, other = self.equal[:TRIED], self.equal[TRIED : 2 * TRIED]
         verdict = Mux(
@@ -100,7 +112,9 @@ class _Check(Monitor):
         busy = self.left != 0
         tried = self.equal[:-1]
         m.d.comb += [
-            self.assumed.eq(~(self.start & (self.left > 1)) & ((tried & (tried - 1)[: len(tried)]) == 0)),
+            self.assumed.eq(
+                ~(self.start & (self.left > 1)) & ((tried & (tried - 1)[: len(tried)]) == 0)
+            ),
             self.lemma.times.eq(
                 (inner["until_done.remaining"] == self.left)
                 & (self.left == Mux(busy, CONFIG.check_ticks - self.run * COVERED - self.at, 0))
@@ -109,7 +123,10 @@ class _Check(Monitor):
                 & (inner["at"] == Mux(self.run == RUNS, 0, self.at))
                 & (busy | ((self.run == RUNS) & (self.at == SETTLED)))
                 & ((self.run != RUNS) | (self.at <= SETTLED))
-                & (inner["whole"] == Cat((self.run != 0) & (self.at == 0), (self.run != 0) & (self.at == 1)))
+                & (
+                    inner["whole"]
+                    == Cat((self.run != 0) & (self.at == 0), (self.run != 0) & (self.at == 1))
+                )
                 & (inner["judges"] == ((self.run != 0) & (self.at == 2)))
             ),
             self.lemma.feeds.eq(
@@ -119,7 +136,10 @@ class _Check(Monitor):
                     & (inner["newest"] == (self.index_0 + 1)[:32])
                     & (inner["wanted"] == self.wanted)
                     & (inner["fields"] == self._rotated())
-                    & (Cat(inner["malformed"], inner["trusted$2"], inner["early"], inner["late"]) == Cat(self.malformed_0, self.trusted_0, self.early, self.late))
+                    & (
+                        Cat(inner["malformed"], inner["trusted$2"], inner["early"], inner["late"])
+                        == Cat(self.malformed_0, self.trusted_0, self.early, self.late)
+                    )
                 )
             ),
             self.lemma.compares.eq(
@@ -127,7 +147,10 @@ class _Check(Monitor):
                 | (
                     (inner["matches"] == (self.equal & ~newest))
                     & ((newest == 0) | (inner["match"] == (self.equal & newest).any()))
-                    & (self.equal >> Mux(self.run == 0, 0, self.run - (self.at <= COMPARED))[:4] == 0)
+                    & (
+                        self.equal >> Mux(self.run == 0, 0, self.run - (self.at <= COMPARED))[:4]
+                        == 0
+                    )
                     & (inner["judged"] == Mux(self.run == 0, 0, self.run - (self.at < TAKEN)))
                 )
             ),
@@ -138,7 +161,11 @@ class _Check(Monitor):
                 & (dut.due == (self.left == 2))
                 & (
                     ~dut.done
-                    | ((dut.cause == cause) & (dut.good == (cause == Cause.NONE)) & (~acceptable | (dut.good_index == index)))
+                    | (
+                        (dut.cause == cause)
+                        & (dut.good == (cause == Cause.NONE))
+                        & (~acceptable | (dut.good_index == index))
+                    )
                 )
             ),
             self.reached.eq(dut.done & dut.good),
@@ -192,7 +219,15 @@ def _checks() -> Trace:
     values = {"sequence": 0x0123_4567, "image": 0x89AB, "acknowledge": 0x4242}
     late, early = {"phase": 5}, {"phase": CONFIG.cycle_ticks - 5}
     for number, (board, ago, beside) in enumerate(
-        ((0, 0, {}), (0, 1, late), (0, -1, early), (0, -1, late), (0, 2, {}), (1, 0, {}), (0, 9, {}))
+        (
+            (0, 0, {}),
+            (0, 1, late),
+            (0, -1, early),
+            (0, -1, late),
+            (0, 2, {}),
+            (1, 0, {}),
+            (0, 9, {}),
+        )
     ):
         index = 1000 + number
         crc = layout.crc(CONFIG.boards[board], index - ago, values)
@@ -217,7 +252,11 @@ CLAIMS = (
         method=Induction(),
         cover=CHECKS,
         mutants=(
-            _mutant("mask-unseen", "acceptable & matches[2 * tried]", "acceptable & matches[2 * tried - 1]"),
+            _mutant(
+                "mask-unseen",
+                "acceptable & matches[2 * tried]",
+                "acceptable & matches[2 * tried - 1]",
+            ),
             _mutant("b", "masks[self.good_index[:5]]", "masks[self.good_index[:4]]"),
         ),
     ),

@@ -257,9 +257,9 @@ CLAIMS = (
     Claim(
         name="vital_output.clock-within",
         claim=(
-            "For ever, while two clocks are within their tolerance, 200 ppm from one another, and a "
-            f"message is up to {JITTER} ticks late by line and receiver, the peer's clock is never "
-            "found off, whichever messages are lost, and however often the link is (default "
+            "For ever, while two clocks are within their tolerance, 200 ppm from one another, and "
+            f"a message is up to {JITTER} ticks late by line and receiver, the peer's clock is "
+            "never found off, whichever messages are lost, and however often the link is (default "
             "configuration; drift in 1/1024 of a tick)."
         ),
         requirements=("DRV-14", "DRV-17"),
@@ -267,9 +267,19 @@ CLAIMS = (
         method=Induction(),
         cover=WITHIN,
         mutants=(
-            _mutant("half-the-limit", "limit, period = config.drift_limit_ticks,", "limit, period = config.drift_limit_ticks // 2,", WITHIN),
+            _mutant(
+                "half-the-limit",
+                "limit, period = config.drift_limit_ticks,",
+                "limit, period = config.drift_limit_ticks // 2,",
+                WITHIN,
+            ),
             _mutant("a-tick-a-message", "steps * period - 1", "steps * period - 2", WITHIN),
-            _mutant("adds-up-windows", "m.d.sync += [offset.eq(0), window.eq(0)]", "m.d.sync += window.eq(0)", WITHIN),
+            _mutant(
+                "adds-up-windows",
+                "m.d.sync += [offset.eq(0), window.eq(0)]",
+                "m.d.sync += window.eq(0)",
+                WITHIN,
+            ),
         ),
     ),
     Claim(
@@ -279,9 +289,9 @@ CLAIMS = (
             "or more, from any tick on, is found off within drift_detection_ticks of the link's "
             "time, or the link is lost, and it stays found while messages come, whichever of them "
             f"are lost ({SHORT.link_period_ticks} ticks from message to message, "
-            f"{SHORT.window_messages} in a window, limit {SHORT.drift_limit_ticks} ticks, lost_ticks "
-            f"{SHORT.lost_ticks}, drift_detection_ticks {SHORT.drift_detection_ticks}, a message up "
-            f"to {JITTER} ticks late, drift in 1/16 of a tick)."
+            f"{SHORT.window_messages} in a window, limit {SHORT.drift_limit_ticks} ticks, "
+            f"lost_ticks {SHORT.lost_ticks}, drift_detection_ticks {SHORT.drift_detection_ticks}, "
+            f"a message up to {JITTER} ticks late, drift in 1/16 of a tick)."
         ),
         requirements=("DRV-17",),
         monitor=_Beyond,
@@ -289,8 +299,18 @@ CLAIMS = (
         cover=SLOW,
         mutants=(
             _mutant("slow-alone", " | (offset < span - limit)", "", FAST),
-            _mutant("half-a-window", ">= config.window_messages)", ">= config.window_messages // 2)", SLOW),
-            _mutant("forgets", "with m.Elif(self.linked & self.taken & passes):", "with m.Elif(self.linked & self.taken):", SLOW),
+            _mutant(
+                "half-a-window",
+                ">= config.window_messages)",
+                ">= config.window_messages // 2)",
+                SLOW,
+            ),
+            _mutant(
+                "forgets",
+                "with m.Elif(self.linked & self.taken & passes):",
+                "with m.Elif(self.linked & self.taken):",
+                SLOW,
+            ),
         ),
     ),
 )

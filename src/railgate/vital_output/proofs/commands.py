@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Iterator, Mapping
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
@@ -18,8 +17,14 @@ __all__ = ["CLAIMS"]
 CONFIG = Config(outputs=3)
 BYTES = CONFIG.layout.frame_bytes
 INPUTS = {
-    **{"data": 8, "first": 1, "last": 1, "valid": 1},
-    **{"lifeless": 1, "life_ends": 1, "cause": 5, "good_index": 32},
+    "data": 8,
+    "first": 1,
+    "last": 1,
+    "valid": 1,
+    "lifeless": 1,
+    "life_ends": 1,
+    "cause": 5,
+    "good_index": 32,
 }
 
 
@@ -102,7 +107,9 @@ class _Form(_Command):
 
         starts = self.transfer & self.last
         frame = Cat(self.data, self.frame)[: 8 * BYTES]
-        fields = {name: self.field(name, frame) for name in ("sequence", "image", "acknowledge", "crc")}
+        fields = {
+            name: self.field(name, frame) for name in ("sequence", "image", "acknowledge", "crc")
+        }
         beyond = Cat(fields[name][CONFIG.outputs :] for name in ("image", "acknowledge"))
         malformed = (firsts_now != 1) | (count_now != BYTES) | beyond.any()
         as_sent = Cat(
@@ -128,8 +135,8 @@ class _Form(_Command):
 
 
 class _Sequence(_Command):
-    """A frame is accepted only with a good verdict and a number that is next, or, with a life, up to
-    life_cycles ahead; else the cause is the contract's."""
+    """A frame is accepted only with a good verdict and a number that is next, or, with a life, up
+    to life_cycles ahead; else the cause is the contract's."""
 
     def __init__(self) -> None:
         super().__init__("step", "reference")
@@ -147,9 +154,7 @@ class _Sequence(_Command):
             m.d.sync += referenced.eq(0)
         with m.If(accepted | (good & self.lifeless)):
             m.d.sync += [reference.eq(sequence), referenced.eq(1)]
-        refused = Mux(
-            step == 0, Cause.REPETITION, Mux(step < 0, Cause.RESEQUENCE, Cause.INSERTION)
-        )
+        refused = Mux(step == 0, Cause.REPETITION, Mux(step < 0, Cause.RESEQUENCE, Cause.INSERTION))
         cause = Mux(good, Mux(referenced & ~ahead, refused, Cause.NONE), self.cause)
         told = Mux(done, cause, Cause.NONE)
         m.d.comb += [
@@ -229,9 +234,9 @@ CLAIMS = (
     Claim(
         name="vital_output.command-form",
         claim=(
-            "For ever and whatever bytes come, a check begins with each byte told as a last one, of "
-            "the fields as they came since the first one, and told malformed just where there has "
-            "been no first byte or more than one since the frame before, where they are not "
+            "For ever and whatever bytes come, a check begins with each byte told as a last one, "
+            "of the fields as they came since the first one, and told malformed just where there "
+            "has been no first byte or more than one since the frame before, where they are not "
             "frame_bytes, or where a bit of no output is set (3 outputs, else default "
             "configuration)."
         ),
@@ -240,7 +245,11 @@ CLAIMS = (
         method=Induction(),
         cover=FRAMES,
         mutants=(
-            _mutant("longer-will-do", "Elif(count != layout.frame_bytes)", "Elif(count != layout.frame_bytes - 1)"),
+            _mutant(
+                "longer-will-do",
+                "Elif(count != layout.frame_bytes)",
+                "Elif(count != layout.frame_bytes - 1)",
+            ),
             _mutant("first-twice", "(begun ^ byte.first) & ~repeated", "begun ^ byte.first"),
             _mutant("bits-beyond", "self._beyond(received.acknowledge)", "0"),
             _mutant("never-begun", "(begun ^ byte.first)", "1"),
@@ -250,9 +259,9 @@ CLAIMS = (
         name="vital_output.command-sequence",
         claim=(
             "For ever, whatever frames come and whatever their checks find, a frame is accepted "
-            "only check_ticks after its last byte, with the verdict good, and a sequence number one "
-            "ahead of the reference or, with a life, up to life_cycles: never one that stands or "
-            "falls, nor the first after a reset or the life's end; each other frame has the "
+            "only check_ticks after its last byte, with the verdict good, and a sequence number "
+            "one ahead of the reference or, with a life, up to life_cycles: never one that stands "
+            "or falls, nor the first after a reset or the life's end; each other frame has the "
             "contract's cause (3 outputs, else default configuration; the check is cut out, its "
             "verdict is free)."
         ),
@@ -262,11 +271,21 @@ CLAIMS = (
         cover=FRAMES,
         mutants=(
             _mutant("repetition", "~self.lifeless & (step >= 1)", "~self.lifeless & (step >= 0)"),
-            _mutant("one-lost-too-many", "(step <= self._config.life_cycles)", "(step <= self._config.life_cycles + 1)"),
+            _mutant(
+                "one-lost-too-many",
+                "(step <= self._config.life_cycles)",
+                "(step <= self._config.life_cycles + 1)",
+            ),
             _mutant("skips-without-life", "within = ~self.lifeless &", "within ="),
-            _mutant("reference-outlives", "m.d.sync += referenced.eq(0)", "m.d.sync += reference.eq(0)"),
+            _mutant(
+                "reference-outlives", "m.d.sync += referenced.eq(0)", "m.d.sync += reference.eq(0)"
+            ),
             _mutant("accepts-the-first", "good & referenced & ((step", "good & ((step"),
-            _mutant("bad-verdict-refers", "self.accepted | (good & self.lifeless)", "self.accepted | (check.done & self.lifeless)"),
+            _mutant(
+                "bad-verdict-refers",
+                "self.accepted | (good & self.lifeless)",
+                "self.accepted | (check.done & self.lifeless)",
+            ),
         ),
     ),
 )

@@ -22,7 +22,7 @@ def cut(file: Any, name: str, arguments: tuple[Any, ...], told: Told) -> Interna
     """The component of that name in a file of the gateware, made with these arguments, with its own
     wiring and all blocks but those; its inner signals, those blocks' ports too, are to be read."""
     blocks = {block: _cut(getattr(file, block), outputs) for block, outputs in told.items()}
-    with patch.multiple(file, **blocks):
+    with patch.multiple(file, **blocks):  # type: ignore[call-overload]
         return Internals(getattr(file, name)(*arguments))
 
 

@@ -19,10 +19,21 @@ def widths(config: Config) -> dict[str, int]:
     """Of a Free's own inputs."""
     n = config.outputs
     return {
-        **{"test": 1, "pulse_feedback": n, "contact": n},
-        **{"accepted": 1, "own_index": 32, "sequence": 32, "image": n, "acknowledge": n},
-        **{"forwarded": 1, "forwarded_index": 32, "peer_sequence": 32},
-        **{"peer_image": n, "peer_acknowledge": n, "peer_codes": 2 * n, "peer_test": 2},
+        "test": 1,
+        "pulse_feedback": n,
+        "contact": n,
+        "accepted": 1,
+        "own_index": 32,
+        "sequence": 32,
+        "image": n,
+        "acknowledge": n,
+        "forwarded": 1,
+        "forwarded_index": 32,
+        "peer_sequence": 32,
+        "peer_image": n,
+        "peer_acknowledge": n,
+        "peer_codes": 2 * n,
+        "peer_test": 2,
         **dict.fromkeys(("peer_ok", "peer_passed", "peer_carries", "booted"), 1),
     }
 
@@ -85,6 +96,4 @@ class Free(Monitor):
 
     def forwarded_frame(self) -> Value:
         """Likewise."""
-        return Cat(
-            self.forwarded_index, self.peer_sequence, self.peer_image, self.peer_acknowledge
-        )
+        return Cat(self.forwarded_index, self.peer_sequence, self.peer_image, self.peer_acknowledge)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.proving import Claim, Induction, Internals, Run, Search
+from railgate.proving import Claim, Induction, Internals, Run
 from railgate.vital_output.proofs.free import Free, widths
 from railgate.vital_output.proofs.stimuli import Step, mutant, trace
 from railgate.vital_output.spec import Config
@@ -26,8 +26,8 @@ LONGEST = CONFIG.cycle_ticks + CONFIG.slew_ticks
 class _Life(Free):
     """The image is 0 within life_bound_ticks of the last byte of the frame that was stored.
 
-    last: in, 1 bit, a frame's last byte. which: in, 2 bits, how far the cycle that its CRC is for is
-    ahead of the own one, less 1. time_valid, time_index, time_phase: in, the network's time.
+    last: in, 1 bit, a frame's last byte. which: in, 2 bits, how far the cycle that its CRC is for
+    is ahead of the own one, less 1. time_valid, time_index, time_phase: in, the network's time.
     Assumed is of Command what the contract tells: a frame is accepted check_ticks after its last
     byte, if its index was acceptable then.
     """
@@ -147,10 +147,13 @@ class _Life(Free):
         phase, margin = inner["timekeeper.phase"], CONFIG.margin_ticks
         before = self._since(inner, index, -1) & (age + CONFIG.cycle_ticks - margin <= phase)
         start = margin + CONFIG.slew_ticks + phase
-        return before | Cat(
-            self._since(inner, index, cycles) & (age <= start + cycles * LONGEST)
-            for cycles in range(most + 1)
-        ).any()
+        return (
+            before
+            | Cat(
+                self._since(inner, index, cycles) & (age <= start + cycles * LONGEST)
+                for cycles in range(most + 1)
+            ).any()
+        )
 
     def _lives(self, inner: Internals) -> Value:
         """With each life the stored frame's cycle is as many cycles ago as that has taken."""
@@ -159,8 +162,7 @@ class _Life(Free):
         decided = phase > CONFIG.decision_ticks
         since = [self._since(inner, index, cycles) for cycles in range(LIFE + 2)]
         ages = [
-            (life == LIFE - lost)
-            & ((since[lost + 1] & decided) | (since[lost + 2] & ~decided))
+            (life == LIFE - lost) & ((since[lost + 1] & decided) | (since[lost + 2] & ~decided))
             for lost in range(1, LIFE)
         ]
         fresh = self._since(inner, index, -1) | since[0] | since[1] | (since[2] & ~decided)
@@ -205,8 +207,20 @@ CLAIMS = (
         cover=LONGEST_LIFE,
         mutants=(
             mutant("a-cycle-more", "storage", "(ahead < 0)", "(ahead < -1)", LONGEST_LIFE),
-            mutant("stays-at-one", "storage", "self.life_out.eq(falls & (life.value == 1))", "self.life_out.eq(0)", LONGEST_LIFE),
-            mutant("a-tick-late", "timekeeper", "self.decides.eq(self.phase == config.decision_ticks)", "self.decides.eq(self.phase == config.decision_ticks + 1)", LONGEST_LIFE),
+            mutant(
+                "stays-at-one",
+                "storage",
+                "self.life_out.eq(falls & (life.value == 1))",
+                "self.life_out.eq(0)",
+                LONGEST_LIFE,
+            ),
+            mutant(
+                "a-tick-late",
+                "timekeeper",
+                "self.decides.eq(self.phase == config.decision_ticks)",
+                "self.decides.eq(self.phase == config.decision_ticks + 1)",
+                LONGEST_LIFE,
+            ),
         ),
     ),
 )

@@ -8,7 +8,7 @@ from functools import partial
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run, Search
-from railgate.vital_output.proofs.stimuli import Step, mutant, trace
+from railgate.vital_output.proofs.stimuli import SEARCH, Step, mutant, trace
 from railgate.vital_output.spec import Code, Config, State
 from railgate.waves import Trace
 
@@ -208,7 +208,8 @@ def _all_rows() -> Trace:
     agreed = {"cmd": 1, "peer_code": Code.DRIVE}
     driving = (ready, (3, agreed))
     not_yet = {"cmd": 1, "peer_code": Code.PRE_DRIVE}
-    test, idle = (1, {"begins": 1}), (4, {})
+    test = (1, {"begins": 1})
+    idle: Step = (4, {})
     steps: tuple[Step, ...] = (
         *((1, {"watching": 1, "fb": 1}), cleared),
         *((2, {"fb": 1}), idle),
@@ -248,7 +249,7 @@ def _code(state: Value) -> Value:
     )
 
 
-def _mutant(name: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
+def _mutant(name: str, old: str, new: str, rejected: Search | Run = SEARCH) -> Mutant:
     return mutant(name, "output", old, new, rejected)
 
 
@@ -258,8 +259,8 @@ CLAIMS = (
         claim=(
             "For ever and whatever comes in, an output's next state is the one that the first row "
             "of the contract's table that applies names, and its pulse, its code and its events "
-            f"are those of its state; each of the 22 rows applies at some time: no state is "
-            f"out of reach or without a way out (default configuration)."
+            "are those of its state; each of the 22 rows applies at some time: no state is "
+            "out of reach or without a way out (default configuration)."
         ),
         requirements=("DRV-8", "DRV-9", "DRV-10", "DRV-11", "DRV-12", "DRV-18"),
         monitor=partial(_Table, DEFAULT),
@@ -303,10 +304,10 @@ CLAIMS = (
     Claim(
         name="vital_output.output-drive",
         claim=(
-            "For ever, an output enters DRIVE from PRE_DRIVE alone, with its command 1, nothing fed "
-            "back, and the peer's factor inside the first τ1 ticks of PRE_DRIVE, which never lasts "
-            "longer; its pin pulses in the ticks after those of DRIVE and TEST and in no other, "
-            "never while something is upset (default configuration)."
+            "For ever, an output enters DRIVE from PRE_DRIVE alone, with its command 1, nothing "
+            "fed back, and the peer's factor inside the first τ1 ticks of PRE_DRIVE, which never "
+            "lasts longer; its pin pulses in the ticks after those of DRIVE and TEST and in no "
+            "other, never while something is upset (default configuration)."
         ),
         requirements=("DRV-9", "DRV-10"),
         monitor=partial(_Drive, DEFAULT),
@@ -315,7 +316,8 @@ CLAIMS = (
             _mutant("alarm-will-do", "peer_in_pre_drive | peer_in_drive", "self.peer_code != 0"),
             _mutant(
                 "from-idle",
-                "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.PRE_DRIVE)",
+                "with m.Elif(self.cmd):\n                    "
+                "m.d.comb += following.eq(State.PRE_DRIVE)",
                 "with m.Elif(self.cmd):\n                    m.d.comb += following.eq(State.DRIVE)",
             ),
             _mutant("pulses-while-upset", "& ~self.error & ~self.upset", "& ~self.error"),
@@ -324,9 +326,9 @@ CLAIMS = (
     Claim(
         name="vital_output.output-alarms",
         claim=(
-            "For ever, an output leaves an alarm for IDLE alone, with its command 0 and nothing fed "
-            "back, and FEEDBACK_ALARM only in the tick in which it is acknowledged, whatever else "
-            "comes in (default configuration)."
+            "For ever, an output leaves an alarm for IDLE alone, with its command 0 and nothing "
+            "fed back, and FEEDBACK_ALARM only in the tick in which it is acknowledged, whatever "
+            "else comes in (default configuration)."
         ),
         requirements=("DRV-12",),
         monitor=partial(_Alarms, DEFAULT),

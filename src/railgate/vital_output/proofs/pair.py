@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from amaranth.hdl import Cat, EnableInserter, Module, Mux, Signal, Value
 from amaranth.lib import wiring
@@ -11,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from railgate.proving import Internals, Monitor
 from railgate.vital_output.proofs.cut import cut
-from railgate.vital_output.spec import Code, Config, State
+from railgate.vital_output.spec import Config, State
 
 __all__ = ["CLOCKS", "LINKS", "PAIR", "Clock", "Line", "Pair", "Scaled"]
 
@@ -77,8 +76,11 @@ class Line(wiring.Component):
         self._latency_ticks = latency_ticks
         super().__init__(
             {
-                **{"sent": In(width), "sends": In(1), "delivers": In(1)},
-                **{"told": Out(width), "in_time": Out(1)},
+                "sent": In(width),
+                "sends": In(1),
+                "delivers": In(1),
+                "told": Out(width),
+                "in_time": Out(1),
             }
         )
 
@@ -103,12 +105,14 @@ class Pair(Monitor):
     """Both channels of one output, their wiring, votes, storage and outputs; one relay.
 
     Cut out is what they get frames, messages, time and feedback by. run_n: FPGA n's clock. sends_n,
-    delivers_n: its line, see Line. accepts_n: its CPU's frame of this cycle is accepted. images_n: bit
-    k is the image of all frames of cycle k of that CPU, as in tick 0.
+    delivers_n: its line, see Line. accepts_n: its CPU's frame of this cycle is accepted. images_n:
+    bit k is the image of all frames of cycle k of that CPU, as in tick 0.
     Assumed is that clocks are steady, messages come in time, and frames in the cycle's first ticks.
     """
 
-    def __init__(self, config: Config, inputs: Mapping[str, int], lemmas: Iterable[str] = ()) -> None:
+    def __init__(
+        self, config: Config, inputs: Mapping[str, int], lemmas: Iterable[str] = ()
+    ) -> None:
         frames = {f"{name}_{n}": 1 for name in ("accepts",) for n in (1, 2)}
         images = {f"images_{n}": 1 << NUMBER_BITS for n in (1, 2)}
         super().__init__({**CLOCKS, **LINKS, **frames, **images, **inputs}, lemmas)
@@ -154,40 +158,59 @@ class Pair(Monitor):
         from railgate.vital_output.gateware import channel
 
         config = self.config
-        cycle, phase = Signal(NUMBER_BITS, name=f"cycle_{n}"), Signal(range(config.cycle_ticks), name=f"phase_{n}")
+        cycle, phase = (
+            Signal(NUMBER_BITS, name=f"cycle_{n}"),
+            Signal(range(config.cycle_ticks), name=f"phase_{n}"),
+        )
         with m.If(run):
             m.d.sync += phase.eq(phase + 1)
             with m.If(phase == config.cycle_ticks - 1):
                 m.d.sync += [phase.eq(0), cycle.eq(cycle + 1)]
-        images, first = Signal(1 << NUMBER_BITS, name=f"all_images_{n}"), Signal(init=1, name=f"first_{n}")
+        images, first = (
+            Signal(1 << NUMBER_BITS, name=f"all_images_{n}"),
+            Signal(init=1, name=f"first_{n}"),
+        )
         m.d.sync += first.eq(0)
         with m.If(first):
             m.d.sync += images.eq(getattr(self, f"images_{n}"))
 
         code, carries, passed = line.told[:2], line.told[2], line.told[3]
         number, image, acknowledge = line.told[4 : 4 + NUMBER_BITS], line.told[-2], line.told[-1]
-        seen, any_seen, fresh = Signal(NUMBER_BITS, name=f"seen_{n}"), Signal(name=f"any_seen_{n}"), Signal(name=f"fresh_{n}")
+        seen, any_seen, fresh = (
+            Signal(NUMBER_BITS, name=f"seen_{n}"),
+            Signal(name=f"any_seen_{n}"),
+            Signal(name=f"fresh_{n}"),
+        )
         m.d.comb += fresh.eq(carries & (~any_seen | (number != seen)))
         with m.If(run & fresh):
             m.d.sync += [seen.eq(number), any_seen.eq(1)]
 
-        accepts, accepted = getattr(self, f"accepts_{n}"), Signal(name=f"accepted_{n}")  # of this cycle
+        accepts, accepted = (
+            getattr(self, f"accepts_{n}"),
+            Signal(name=f"accepted_{n}"),
+        )  # of this cycle
         with m.If(run):
             m.d.sync += accepted.eq((accepted | accepts) & (phase != config.cycle_ticks - 1))
         may = (phase >= 1) & (phase <= 2) & ~accepted & ~first
         self.legal.append(~accepts | may)
-        self.due = getattr(self, "due", []) + [(phase <= 2) | accepted]
+        self.due = [*getattr(self, "due", []), (phase <= 2) | accepted]
 
         drove = Signal(name=f"drove_{n}")
         told = {
             "Command": {
-                **{"accepted": accepts, "frame_index": cycle, "sequence": cycle},
+                "accepted": accepts,
+                "frame_index": cycle,
+                "sequence": cycle,
                 "image": images.bit_select(cycle, 1),
             },
             "FrameCheck": {"done": fresh, "good": fresh, "good_index": number},
             "LinkReceiver": {
-                **{"peer_ok": 1, "peer_carries": carries, "peer_passed": passed},
-                **{"peer_sequence": number, "peer_image": image, "peer_acknowledge": acknowledge},
+                "peer_ok": 1,
+                "peer_carries": carries,
+                "peer_passed": passed,
+                "peer_sequence": number,
+                "peer_image": image,
+                "peer_acknowledge": acknowledge,
                 "peer_codes": code,
             },
             "LinkTransmitter": {},
@@ -196,7 +219,9 @@ class Pair(Monitor):
             "Feedback": {"frequency": 1, "contact": self.contact, "fb": self.contact | drove},
             "Status": {},
         }
-        told = {name: {k: Value.cast(v) for k, v in values.items()} for name, values in told.items()}
+        told = {
+            name: {k: Value.cast(v) for k, v in values.items()} for name, values in told.items()
+        }
         inner = cut(channel, "Channel", (config, n - 1), told)
         m.submodules[f"fpga_{n}"] = EnableInserter(run)(inner)
         with m.If(run):

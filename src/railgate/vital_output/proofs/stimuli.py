@@ -9,7 +9,7 @@ from amaranth.hdl import Shape, ShapeLike
 from railgate.proving import TICK, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
 
-__all__ = ["Step", "mutant", "trace", "train"]
+__all__ = ["SEARCH", "Step", "mutant", "trace", "train"]
 
 Step = tuple[int, Mapping[str, int]]
 """For so many ticks these inputs have these values, all others 0."""
@@ -35,6 +35,9 @@ def train(period: int, periods: int, name: str, beside: Mapping[str, int]) -> It
         yield period - period // 2, beside
 
 
-def mutant(name: str, file: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
+SEARCH = Search()
+
+
+def mutant(name: str, file: str, old: str, new: str, rejected: Search | Run = SEARCH) -> Mutant:
     """One of a file of the vital output's gateware."""
     return Mutant(name, f"railgate.vital_output.gateware.{file}", old, new, rejected)

@@ -7,7 +7,7 @@ from functools import partial
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run, Search
-from railgate.vital_output.proofs.stimuli import mutant, trace
+from railgate.vital_output.proofs.stimuli import SEARCH, Step, mutant, trace
 from railgate.vital_output.spec import Config
 from railgate.waves import Trace
 
@@ -166,7 +166,7 @@ class _Cycles(_Kept):
 def _whole_cycles(ahead: int) -> Trace:
     """Two cycles, with an update soon after the first one's start that is ahead by so much."""
     cycle, margin = DEFAULT.cycle_ticks, DEFAULT.margin_ticks
-    steps = (
+    steps: tuple[Step, ...] = (
         (1, {"valid": 1}),
         (margin, {}),
         (1, {"valid": 1, "phase_in": margin + 1 + ahead}),
@@ -183,7 +183,7 @@ def _run(ahead: int) -> Run:
 SLOW, FAST = _run(-DEFAULT.margin_ticks), _run(DEFAULT.margin_ticks)
 
 
-def _mutant(name: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
+def _mutant(name: str, old: str, new: str, rejected: Search | Run = SEARCH) -> Mutant:
     return mutant(name, "timekeeper", old, new, rejected)
 
 
@@ -191,11 +191,11 @@ CLAIMS = (
     Claim(
         name="vital_output.time-forward",
         claim=(
-            "For ever and whatever the network tells, once the time is seated it is, in every tick, "
-            "ahead of what it was (indices modulo 2³², a step of 2³¹ at most): by one tick or the "
-            "start of the next cycle, or, without a life, by where the network seats it; and it is "
-            "trusted just while the last update was a good one, holdover_cycles ago at most "
-            "(default configuration)."
+            "For ever and whatever the network tells, once the time is seated it is, in every "
+            "tick, ahead of what it was (indices modulo 2³², a step of 2³¹ at most): by one tick "
+            "or the start of the next cycle, or, without a life, by where the network seats it; "
+            "and it is trusted just while the last update was a good one, holdover_cycles ago at "
+            "most (default configuration)."
         ),
         requirements=("DRV-3",),
         monitor=_Forward,

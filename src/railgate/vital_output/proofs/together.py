@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value
+from amaranth.hdl import Cat, Module, Mux, Signal
 
 from railgate.proving import Bounded, Claim, Search
 from railgate.vital_output.proofs.pair import PAIR, Pair
@@ -48,11 +48,17 @@ class _Works(Pair):
         was = Signal()
         m.d.sync += was.eq(was | (drive & self.contact))
         m.d.comb += [
-            self.assumed.eq(Cat(self.legal).all() & Cat(self.due).all() & (self.images_1 == 6) & (self.images_2 == 6)),
+            self.assumed.eq(
+                Cat(self.legal).all()
+                & Cat(self.due).all()
+                & (self.images_1 == 6)
+                & (self.images_2 == 6)
+            ),
             self.holds.eq(~alarm),
             self.reached.eq(was & idle),
         ]
         return m
+
 
 CLAIMS = (
     Claim(
@@ -60,7 +66,7 @@ CLAIMS = (
         claim="x.",
         requirements=("DRV-6",),
         monitor=_Images,
-        method=Bounded(20, "x"),
+        method=Bounded(46, "x"),
         cover=Search(25),
         mutants=(mutant("a", "output", "a", "b"), mutant("b", "output", "a", "b")),
     ),

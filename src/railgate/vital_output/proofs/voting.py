@@ -6,7 +6,7 @@ from __future__ import annotations
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run, Search
-from railgate.vital_output.proofs.stimuli import Step, mutant, trace
+from railgate.vital_output.proofs.stimuli import SEARCH, Step, mutant, trace
 from railgate.vital_output.spec import Config
 from railgate.waves import Trace
 
@@ -112,9 +112,7 @@ class _Vote(Monitor):
     def _frame(self, name: str) -> Value:
         return Cat(getattr(self, f"{name}_{part}") for part in PARTS)
 
-    def _slot(
-        self, m: Module, name: str, filled: Value, slot: Signal
-    ) -> tuple[Signal, Signal]:
+    def _slot(self, m: Module, name: str, filled: Value, slot: Signal) -> tuple[Signal, Signal]:
         """Keeps the frame that fills it: whether it waits, and ticks since it came."""
         there, age = Signal(name=f"{name}_there"), Signal(range(TAU0 + 2), name=f"{name}_age")
         m.d.sync += age.eq(age + (age != TAU0 + 1))
@@ -140,7 +138,7 @@ def _skews() -> Trace:
 SKEWS = Run(_skews().end, _skews)
 
 
-def _mutant(name: str, old: str, new: str, rejected: Search | Run = Search()) -> Mutant:
+def _mutant(name: str, old: str, new: str, rejected: Search | Run = SEARCH) -> Mutant:
     return mutant(name, "vote", old, new, rejected)
 
 
@@ -159,13 +157,36 @@ CLAIMS = (
         method=Induction(),
         cover=SKEWS,
         mutants=(
-            _mutant("acknowledge-ignored", "same = self.own.as_value() == forwarded.as_value()", "same = self.own.as_value()[:80] == forwarded.as_value()[:80]"),
-            _mutant("index-ignored", "same = self.own.as_value() == forwarded.as_value()", "same = self.own.as_value()[32:] == forwarded.as_value()[32:]"),
-            _mutant("window-a-tick-longer", "Mux(fills, tau0, 0)", "Mux(fills, tau0 + 1, 0)", SKEWS),
-            _mutant("window-begins-anew", "over = both | closes | (remaining.value == 0)", "over = both | closes | (remaining.value == 0) | fills", SKEWS),
+            _mutant(
+                "acknowledge-ignored",
+                "same = self.own.as_value() == forwarded.as_value()",
+                "same = self.own.as_value()[:80] == forwarded.as_value()[:80]",
+            ),
+            _mutant(
+                "index-ignored",
+                "same = self.own.as_value() == forwarded.as_value()",
+                "same = self.own.as_value()[32:] == forwarded.as_value()[32:]",
+            ),
+            _mutant(
+                "window-a-tick-longer", "Mux(fills, tau0, 0)", "Mux(fills, tau0 + 1, 0)", SKEWS
+            ),
+            _mutant(
+                "window-begins-anew",
+                "over = both | closes | (remaining.value == 0)",
+                "over = both | closes | (remaining.value == 0) | fills",
+                SKEWS,
+            ),
             _mutant("stored-alone", "& self.peer_passed\n", "\n"),
-            _mutant("stored-after-decision", "(self.decides & (ahead <= 0))", "(self.decides & (ahead < 0))"),
-            _mutant("passed-stays", "m.d.sync += [self.passed.eq(0), open_.eq(0)]", "m.d.sync += open_.eq(0)"),
+            _mutant(
+                "stored-after-decision",
+                "(self.decides & (ahead <= 0))",
+                "(self.decides & (ahead < 0))",
+            ),
+            _mutant(
+                "passed-stays",
+                "m.d.sync += [self.passed.eq(0), open_.eq(0)]",
+                "m.d.sync += open_.eq(0)",
+            ),
         ),
     ),
 )

@@ -41,17 +41,17 @@ it does with another index; MASQUERADE, if the other board's ID does with any of
 **Command (DRV-1, DRV-5).** A byte is transferred in a tick with `command.valid` and
 `command.ready`. One with `first` begins a frame, one with `last` ends it in this tick k. The frame
 is of the bytes from the last `first` on; it is FORMAT where there has been no `first` since the
-frame before, where more than one came since then, where it has not frame_bytes bytes, or where bits of image
-or acknowledge beyond the outputs are set. Its check, with late = margin_ticks, begins in k; in the
-ticks k + 1 … k + check_ticks - 1 `ready` is 0, else 1 (it is the only output that starts at 1). In
-tick V = k + check_ticks the verdict is told. Good: let step be from `reference` to the frame's
-sequence number; it is *accepted* if `referenced` and step = 1, or referenced, life > 0 and 1 ≤ step
-≤ life_cycles. Else not referenced: START; step = 0: REPETITION; step < 0: RESEQUENCE; else
+frame before, where more than one came since then, where it has not frame_bytes bytes, or where bits
+of image or acknowledge beyond the outputs are set. Its check, with late = margin_ticks, begins in
+k; in the ticks k + 1 … k + check_ticks - 1 `ready` is 0, else 1 (it is the only output that starts
+at 1). In tick V = k + check_ticks the verdict is told. Good: let step be from `reference` to the
+frame's sequence number; it is *accepted* if `referenced` and step = 1, or referenced, life > 0 and
+1 ≤ step ≤ life_cycles. Else not referenced: START; step = 0: REPETITION; step < 0: RESEQUENCE; else
 INSERTION. Accepted, or good with life = 0: reference becomes its sequence number, referenced 1.
 Accepted: step - 1 frames are lost. The frame becomes `own` (sequence, image, acknowledge, crc,
 index of the check), `carries` 1. In the tick in which life becomes 0 referenced becomes 0 (in the
-same tick k as a verdict: the verdict's change is the later one, it wins). FORMAT to
-INSERTION, but not TIME, which tells nothing of the frame, are *rejections*.
+same tick k as a verdict: the verdict's change is the later one, it wins). FORMAT to INSERTION, but
+not TIME, which tells nothing of the frame, are *rejections*.
 
 **Cross-link, sending (DRV-6).** Message m = 0, 1, … begins in tick S = 8 + m · link_period_ticks:
 `link_tx` is 0 for bit_ticks, then each of its bits, the most significant one first, for bit_ticks,
@@ -103,14 +103,14 @@ open[k], peer_ok[k], peer.passed[k], peer.carries[k], peer.sequence[k] = own.seq
 
 **Life (DRV-7).** In a tick with phase[k] = decision_ticks the cycle index[k] - 1 is decided: unless
 one is stored in k or stored_index is not behind index[k] - 1: if life > 0, it falls by 1; if it
-becomes 0: LIFE_OUT, image becomes 0. Whether stored or not, open becomes 0 if own.index is not
-ahead of index[k] - 1. With zero_at_once, where a frame is accepted or peer-accepted in k, image
-keeps only the bits that the frame has too (after all else in k).
+becomes 0: LIFE_OUT, image becomes 0. Whether stored or not, and also where it passes in k, open
+becomes 0 if own.index is not ahead of index[k] - 1. With zero_at_once, where a frame is accepted or
+peer-accepted in k, image keeps only the bits that the frame has too (after all else in k).
 
 **Errors (DRV-15)**, with error_interval_cycles > 0. A rejection in k: if `errors_remaining`[k] > 0,
 latched becomes 1, with LATCHED if it was 0; errors_remaining becomes error_interval_cycles.
 Else, in a tick of decision, it falls by 1 to 0 at the lowest. From the tick in which latched is
-1 on image is 0: a store then sets it to 0, and it becomes 0 with latched.
+1 on, as long as it is, image is 0.
 
 **Acknowledgement (DRV-12).** Stored in k: rises are the bits of the stored acknowledge that are 0
 in `acknowledge`[k] (which starts as all ones): these outputs are *acknowledged* in k. If there is
