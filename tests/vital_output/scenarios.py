@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from fractions import Fraction
 
 from hypothesis import strategies as st
@@ -15,7 +15,7 @@ from railgate.vital_output.situations import ready_s
 from railgate.vital_output.spec import Config
 from vital_output.runs import RELAY
 
-__all__ = ["clocks", "scenarios"]
+__all__ = ["clocks", "odd_clocks", "scenarios"]
 
 PPM = st.one_of(st.sampled_from((-100, 0, 100)), st.integers(-100, 100)).map(Fraction)
 PHASES = st.one_of(st.just(Fraction(0)), st.integers(0, 999).map(lambda n: Fraction(n, 1000)))
@@ -28,6 +28,14 @@ def clocks(draw: st.DrawFn) -> dict[str, Fraction]:
     """Two good ones, of any phase."""
     ppm = {f"ppm_{fpga}": draw(PPM) for fpga in (1, 2)}
     return ppm | {f"phase_{fpga}": draw(PHASES) for fpga in (1, 2)}
+
+
+@st.composite
+def odd_clocks(draw: st.DrawFn) -> dict[str, Fraction]:
+    """One of them is off its tolerance, by little or by much."""
+    off = draw(st.integers(7, 16).flatmap(lambda power: st.integers(101, 1 << power)))
+    fpga, sign = draw(st.sampled_from((1, 2))), draw(st.sampled_from((1, -1)))
+    return draw(clocks()) | {f"ppm_{fpga}": Fraction(sign * off)}
 
 
 @st.composite
@@ -92,20 +100,20 @@ def scenarios(
     draw: st.DrawFn,
     config: Config,
     cycles: int,
-    timing: Mapping[str, Fraction] | None = None,
+    timing: st.SearchStrategy[dict[str, Fraction]] | None = None,
     kinds: Collection[str] = (),
     most: int = 0,
     relay: RelayTimes = RELAY,
 ) -> Scenario:
     """Commands for so many cycles after the start-up, and at most so many faults at any time.
 
-    timing: of the clocks, as `clocks` draws it.
+    timing: of the clocks; good ones without it.
     """
     start = int(ready_s(config) * config.clock_hz)
     end = start + cycles * config.cycle_ticks
     found = [draw(faults(config, kinds, end)) for _ in range(draw(st.integers(0, most)))]
     return Scenario(
-        **(draw(clocks()) if timing is None else timing),
+        **draw(clocks() if timing is None else timing),
         commands=draw(commands(config, start, end)),
         seconds=Fraction(end, config.clock_hz),
         relay=relay,

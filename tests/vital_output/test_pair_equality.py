@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railgate.engines import Design, open_engine
+from railgate.engines import Design, Engine, open_engine
 from railgate.vital_output.loop import loop
 from railgate.vital_output.plant.faults import FAULTS
 from railgate.vital_output.plant.relay import RelayTimes
@@ -20,7 +21,7 @@ from railgate.vital_output.spec import Config
 from railgate.waves import Trace, Waveform
 from vital_output.equality import assert_same, opened
 from vital_output.runs import RELAY
-from vital_output.scenarios import scenarios
+from vital_output.scenarios import clocks, odd_clocks, scenarios
 from vital_output.small import SMALL
 
 MILLI = Fraction(1, 1000)
@@ -87,11 +88,14 @@ APART = Case(SMALL, ppm_1=Fraction(100), ppm_2=Fraction(-100), phase_2=Fraction(
 OFF = Case(SMALL, ppm_1=Fraction(-73), ppm_2=Fraction(900), phase_1=Fraction(7, 1000))
 LONG = Case(OTHER, SLOW, 4, ppm_1=Fraction(-150), ppm_2=Fraction(91), phase_1=Fraction(1, 2))
 CASES = (SAME, APART, OFF, LONG)
+BROAD = Case(replace(OTHER, outputs=23, spare_messages=0), SLOW, phase_1=Fraction(1, 7))
+"""Its states are wider than one signal."""
 
 
 def stimulus(case: Case, data: st.DataObject, cycles: int) -> Trace:
     """Any faults, and resets of the relays."""
-    drawn = scenarios(case.config, cycles, case.timing, FAULTS, 4, case.relay)
+    timing = st.just(case.timing)
+    drawn = scenarios(case.config, cycles, timing, FAULTS, 4, case.relay)
     inputs = data.draw(drawn).controls(case.config)
     starts = data.draw(st.sets(st.integers(1, inputs.end // RESET - 1), max_size=2))
     ticks = [0, *(at * RESET + part for at in sorted(starts) for part in (0, RESET // 2))]
@@ -102,34 +106,59 @@ def stimulus(case: Case, data: st.DataObject, cycles: int) -> Trace:
 RESET = 10**10
 """Femtoseconds from one possible reset to the next: some of the relays' ticks."""
 
+SHORT = 15 * 10**12
+"""Femtoseconds of a run in the slowest engine: FPGA 1's test."""
+
 QUIET = ("pulses", "link_tx")
 """Outputs on which a model need not dwell where nobody asks for them."""
 
 
-def assert_pair_is_the_same(
-    case: Case, inputs: Trace, kind: str = "cxxrtl", cut: int | None = None
-) -> Trace:
+def assert_pair_is_the_same(case: Case, inputs: Trace, rtl: Engine, cut: int) -> None:
     """With all outputs at one go, and without pulses and cross-link in two pieces."""
-    found = opened(case.made, kind).advance(inputs.end, inputs)
+    found = rtl.advance(inputs.end, inputs)
     whole = open_engine(case.made(), "leap").advance(inputs.end, inputs)
     assert_same(whole, found, case)
     few = [name for name in found.signals if not name.endswith(QUIET)]
     leap = open_engine(case.made(), "leap")
-    ends = (inputs.end // 3 if cut is None else cut, inputs.end)
-    pieces = [leap.advance(end, inputs, few) for end in ends]
+    pieces = [leap.advance(end, inputs, few) for end in (cut, inputs.end)]
     assert_same(pieces[0].concatenate(*pieces[1:]), found.select(few), case)
-    return found
+
+
+def assert_cases(case: Case, data: st.DataObject, cycles: int) -> None:
+    inputs = stimulus(case, data, cycles)
+    cut = data.draw(st.integers(1, inputs.end - 1))
+    assert_pair_is_the_same(case, inputs, opened(case.made, "cxxrtl"), cut)
 
 
 @given(st.sampled_from(CASES), st.data())
-@settings(max_examples=32, deadline=None)
+@settings(max_examples=24, deadline=None)
 def test_the_pair_is_that_of_leap_whatever_goes_wrong(case: Case, data: st.DataObject) -> None:
-    inputs = stimulus(case, data, 10)
-    assert_pair_is_the_same(case, inputs, cut=data.draw(st.integers(1, inputs.end - 1)))
+    assert_cases(case, data, 8)
 
 
 @given(st.data())
 @settings(max_examples=2, deadline=None)
 def test_the_pair_of_pysim_is_that_of_leap_whatever_goes_wrong(data: st.DataObject) -> None:
-    inputs = stimulus(APART, data, 1)
-    assert_pair_is_the_same(APART, inputs.slice(0, 15 * 10**12), "pysim")
+    inputs = stimulus(APART, data, 1).slice(0, SHORT)
+    assert_pair_is_the_same(APART, inputs, open_engine(APART.made(), "pysim"), SHORT // 2)
+
+
+@pytest.mark.slow
+@given(st.sampled_from((*CASES, BROAD)), st.data())
+@settings(max_examples=800, deadline=None)
+def test_the_pair_is_that_of_leap_whatever_goes_wrong_for_long(
+    case: Case, data: st.DataObject
+) -> None:
+    assert_cases(case, data, 30)
+
+
+@pytest.mark.slow
+@given(clocks() | odd_clocks(), st.data())
+@settings(max_examples=100, deadline=None)
+def test_the_pair_is_that_of_leap_whatever_its_clocks_are(
+    timing: dict[str, Fraction], data: st.DataObject
+) -> None:
+    case = Case(SMALL, **timing)
+    inputs = stimulus(case, data, 20)
+    cut = data.draw(st.integers(1, inputs.end - 1))
+    assert_pair_is_the_same(case, inputs, open_engine(case.made(), "cxxrtl"), cut)

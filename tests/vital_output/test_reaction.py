@@ -28,7 +28,7 @@ from railgate.vital_output.spec import State
 from railgate.waves import Waveform
 from vital_output.pair import ENGINE, RELAY, busy, driving, entries, frames_of, inputs, run, wrong
 from vital_output.random_channel import surroundings
-from vital_output.scenarios import clocks, scenarios
+from vital_output.scenarios import clocks, odd_clocks, scenarios
 from vital_output.small import SMALL
 
 CYCLE_TICKS, MARGIN, SLEW = SMALL.cycle_ticks, SMALL.margin_ticks, SMALL.slew_ticks
@@ -182,8 +182,24 @@ def test_the_declared_reaction_time_is_reached() -> None:
     assert 0 <= short <= OF_THE_PLANT_S
 
 
+@pytest.mark.slow
+@given(scenarios(SMALL, 20, kinds=IN_ONE_CHANNEL, most=1))
+@settings(max_examples=4_000, deadline=None)
+def test_a_contact_opens_in_the_declared_time_whatever_fails_in_one_channel_for_long(
+    scenario: Scenario,
+) -> None:
+    assert_safe(run(scenario, SMALL))
+
+
+@pytest.mark.slow
+@given(scenarios(SMALL, 20, odd_clocks()))
+@settings(max_examples=1_000, deadline=None)
+def test_a_contact_opens_in_the_declared_time_whatever_one_clock_does(scenario: Scenario) -> None:
+    assert_safe(run(scenario, SMALL))
+
+
 @given(st.sampled_from((0, 1)), st.integers(0, 1 << 32))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_a_channel_drives_on_a_live_image_alone_whatever_its_peer_says(
     board: int, seed: int
 ) -> None:

@@ -9,7 +9,11 @@ from railgate.proving import Claim
 
 __all__ = ["PROOFS", "chosen", "claims"]
 
-PROOFS = ("railgate.odometer.proofs", "railgate.position_link.proofs")
+PROOFS = (
+    "railgate.odometer.proofs",
+    "railgate.position_link.proofs",
+    "railgate.vital_output.proofs",
+)
 """The packages that hold claims, each as its CLAIMS."""
 
 

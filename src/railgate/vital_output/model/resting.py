@@ -115,6 +115,7 @@ def rouse(st: Any, limit: Any, d: int, i: int, time: int) -> None:
     c.still &= ~bit
     c.pulses = c.pulses & ~bit | level << i
     c.feedback = c.feedback & ~bit | level << i
+    c.feedback_pin = c.feedback_pin & ~bit | level << i
     c.toggle, c.drive_due, c.due = min(c.toggle, tick), last + 1, last + 1
     if staged:
         r.still[d] &= ~bit

@@ -178,6 +178,7 @@ CLAIMS = (
         ),
         requirements=("DRV-6", "DRV-7"),
         monitor=_Agreed,
+        fast=False,
         method=Induction(2),
         cover=SWITCHED_ON[0],
         mutants=(
@@ -239,6 +240,7 @@ CLAIMS = (
             ),
             requirements=("DRV-5", "DRV-18"),
             monitor=partial(_Started, board),
+            fast=False,
             method=Induction(),
             cover=SWITCHED_ON[board],
             mutants=(

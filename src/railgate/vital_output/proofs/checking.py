@@ -10,7 +10,7 @@ from unittest.mock import patch
 from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
-from railgate.vital_output.proofs.stimuli import mutant, trace
+from railgate.vital_output.proofs.stimuli import Step, mutant, trace
 from railgate.vital_output.spec import Cause, Config
 from railgate.waves import Trace
 
@@ -21,7 +21,7 @@ IMPLICIT = CONFIG.layout.implicit_bytes
 COVERED = IMPLICIT + CONFIG.layout.frame_bytes - 4
 TRIED = CONFIG.delay_cycles + 2
 RUNS = 2 * TRIED + 1
-COMPARED, TAKEN, SETTLED = 1, 3, CONFIG.check_overhead_ticks - 1
+COMPARED, KEPT, SETTLED = 1, 3, CONFIG.check_overhead_ticks - 1
 """Ticks after a run's end in which its CRC is compared, the result is kept, all is at rest."""
 FIELDS = {"sequence": 32, "image": CONFIG.outputs, "acknowledge": CONFIG.outputs}
 INPUTS = {
@@ -58,11 +58,8 @@ class _Check(Monitor):
         super().__init__(INPUTS, ("times", "feeds", "compares"))
         self.left = Signal(range(CONFIG.check_ticks + 1))  # ticks of the check with this one
         self.run, self.at = Signal(range(RUNS + 1), init=RUNS), Signal(range(COVERED), init=SETTLED)
-        self.index_0, self.fields, self.wanted = (
-            Signal(32),
-            Signal(8 * (COVERED - IMPLICIT)),
-            Signal(32),
-        )
+        self.index_0, self.wanted = Signal(32), Signal(32)
+        self.fields = Signal(8 * (COVERED - IMPLICIT))
         self.equal = Signal(RUNS)  # the comparisons of this check
         self.early, self.late = Signal(), Signal()
         self.trusted_0, self.malformed_0 = Signal(), Signal()
@@ -151,7 +148,7 @@ class _Check(Monitor):
                         self.equal >> Mux(self.run == 0, 0, self.run - (self.at <= COMPARED))[:4]
                         == 0
                     )
-                    & (inner["judged"] == Mux(self.run == 0, 0, self.run - (self.at < TAKEN)))
+                    & (inner["judged"] == Mux(self.run == 0, 0, self.run - (self.at < KEPT)))
                 )
             ),
             self.holds.eq(
@@ -215,21 +212,19 @@ class _Check(Monitor):
 
 def _checks() -> Trace:
     """Frames of the own board and the other one, of several cycles, and one that is none."""
-    layout, steps = CONFIG.layout, []
+    layout, steps = CONFIG.layout, list[Step]()
     values = {"sequence": 0x0123_4567, "image": 0x89AB, "acknowledge": 0x4242}
     late, early = {"phase": 5}, {"phase": CONFIG.cycle_ticks - 5}
-    for number, (board, ago, beside) in enumerate(
-        (
-            (0, 0, {}),
-            (0, 1, late),
-            (0, -1, early),
-            (0, -1, late),
-            (0, 2, {}),
-            (1, 0, {}),
-            (0, 9, {}),
-        )
+    for index, board, ago, beside in (
+        (992, 0, 0, {}),
+        (1020, 0, 1, late),
+        (1021, 0, -1, early),
+        (1022, 0, -1, late),
+        (1023, 0, 2, {}),
+        (1024, 1, 0, {}),
+        (1025, 0, 9, {}),
+        (1026, 0, 0, {"trusted": 0}),
     ):
-        index = 1000 + number
         crc = layout.crc(CONFIG.boards[board], index - ago, values)
         told = {"start": 1, "trusted": 1, "index": index, "crc": crc, "phase": 500_000}
         steps += [(1, told | values | beside), (CONFIG.check_ticks, {})]
@@ -246,18 +241,27 @@ def _mutant(name: str, old: str, new: str) -> Mutant:
 CLAIMS = (
     Claim(
         name="vital_output.check",
-        claim="x.",
+        claim=(
+            "For ever and for any frame and time, a check feeds its CRC engine with the frame's "
+            "bytes behind each ID and cycle of the contract, byte by byte, at last behind the mask "
+            "number index mod 32 and the index that was right; and its verdict, check_ticks after "
+            "its start, is the contract's: good only if in this very check the comparator has told "
+            "equality for the own board and an acceptable index, and inequality with the mask "
+            "(default configuration). The engine itself is amaranth.lib.crc's; that a mask changes "
+            "just its bit of the CRC is shown by the specification's tests."
+        ),
         requirements=("DRV-2", "DRV-3"),
         monitor=_Check,
         method=Induction(),
         cover=CHECKS,
         mutants=(
-            _mutant(
-                "mask-unseen",
-                "acceptable & matches[2 * tried]",
-                "acceptable & matches[2 * tried - 1]",
-            ),
-            _mutant("b", "masks[self.good_index[:5]]", "masks[self.good_index[:4]]"),
+            _mutant("16-masks", "masks[self.good_index[:5]]", "masks[self.good_index[:4]]"),
+            _mutant("a-bit-not-compared", "(crc.crc == wanted)", "(crc.crc[1:] == wanted[1:])"),
+            _mutant("early-at-any-time", "(matches[0] & early)", "matches[0]"),
+            _mutant("other-board", "| matches[1] |", "| matches[1] | matches[tried + 1] |"),
+            _mutant("untrusted", "with m.Elif(~trusted):", "with m.Elif(trusted & ~trusted):"),
+            _mutant("time-stands", "m.d.sync += time.eq(time - 1)", "m.d.sync += time.eq(time)"),
         ),
+        fast=False,
     ),
 )

@@ -264,6 +264,7 @@ CLAIMS = (
         ),
         requirements=("DRV-14", "DRV-17"),
         monitor=_Within,
+        fast=False,
         method=Induction(),
         cover=WITHIN,
         mutants=(

@@ -267,6 +267,7 @@ CLAIMS = (
         ),
         requirements=("DRV-5",),
         monitor=_Sequence,
+        fast=False,
         method=Induction(),
         cover=FRAMES,
         mutants=(

@@ -200,7 +200,14 @@ LONGEST_LIFE = Run(_longest().end, _longest)
 CLAIMS = (
     Claim(
         name="vital_output.life-bound",
-        claim="x.",
+        claim=(
+            "For ever and whatever the CPU, the peer and the network tell, the image is 0 at the "
+            "latest life_bound_ticks after the last byte of the frame last stored, by the own "
+            "ticks, and that late it may be; without a life it is 0 (1 output, else default "
+            "configuration; the command's frames come as its contract has them, its check is cut "
+            "out). Assumed is that the network does not seat the time between a frame's last byte "
+            "and its store: where it does so again and again, the bound does not hold."
+        ),
         requirements=("DRV-7", "DRV-16"),
         monitor=_Life,
         method=Induction(),
@@ -222,5 +229,6 @@ CLAIMS = (
                 LONGEST_LIFE,
             ),
         ),
+        fast=False,
     ),
 )

@@ -1,28 +1,31 @@
-"""Two channels with clocks of their own and a cross-link of any latency up to L."""
+"""Two channels of one output, with clocks of their own and a cross-link of any latency up to L."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from amaranth.hdl import Cat, EnableInserter, Module, Mux, Signal, Value
+from amaranth.hdl import Cat, Const, EnableInserter, Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from railgate.proving import Internals, Monitor
-from railgate.vital_output.proofs.cut import cut
+from railgate.vital_output.proofs.cut import Told, cut
 from railgate.vital_output.spec import Config, State
 
-__all__ = ["CLOCKS", "LINKS", "PAIR", "Clock", "Line", "Pair", "Scaled"]
+__all__ = ["PAIR", "TIMING", "TOLD", "Clock", "Line", "Pair", "Scaled"]
 
 STEADY_TICKS = 32
-"""A clock loses one tick in so many at most."""
-NUMBER_BITS = 3
-"""Cycles are told apart by their lowest bits."""
+"""A clock loses one of so many ticks at most: far more than its tolerance."""
+CYCLE_BITS = 3
+"""Cycles, and the frames in them, are told apart by so many bits."""
+CYCLES = 1 << CYCLE_BITS
+LAST_PHASE = 2
+"""Frames are accepted in phases 1 … LAST_PHASE of their cycle."""
 
 
 class Scaled(Config):
-    """Times of some ticks, which keep what a configuration is held to: τ0 > 2L, τ1 and the skew of
-    decisions above what they cover, the decision inside its cycle."""
+    """Times of some ticks, which keep what a configuration is held to: τ0 > 2L, τ1 above 2L, the
+    skew of decisions above L and twice the margin, the decision inside its cycle."""
 
     cycle_ticks = 15
     margin_ticks = 1
@@ -44,8 +47,15 @@ class Scaled(Config):
 
 
 PAIR = Scaled(outputs=1, life_cycles=1)
-CLOCKS = {"run_1": 1, "run_2": 1}
-LINKS = {"sends_1": 1, "sends_2": 1, "delivers_1": 1, "delivers_2": 1}
+TOLD = (
+    f"a cycle of {PAIR.cycle_ticks} ticks, L {PAIR.latency_ticks}, tau0 {PAIR.tau0_ticks}, tau1 "
+    f"{PAIR.tau1_ticks}, decision {PAIR.decision_ticks}, skew {PAIR.skew_ticks}, not_yet_driving "
+    f"{PAIR.not_yet_driving_ticks}, pick_up {PAIR.pick_up_ticks}, release {PAIR.release_ticks}; "
+    f"each clock loses one of {STEADY_TICKS} ticks at most, at any time"
+)
+"""The scaled constants, for a claim's sentence."""
+TIMING = {name: 1 for n in (1, 2) for name in (f"run_{n}", f"delivers_{n}")}
+"""Inputs: FPGA n's clock has an edge; the message on FPGA n's line is there, see Line."""
 
 
 class Clock(wiring.Component):
@@ -67,136 +77,102 @@ class Clock(wiring.Component):
 class Line(wiring.Component):
     """Carries messages one after the other, each for as long as it likes.
 
-    sent: in, what a message tells. sends: in, 1 bit, one is taken up in this tick, if none is under
-    way. delivers: in, 1 bit, the one under way is there from the next tick on. told: out, what the
-    last one told. in_time: out, 1 bit, that was so no longer ago than `latency_ticks`.
+    sent: in, what a message tells that is taken up in this tick. delivers: in, 1 bit, the one under
+    way is there from the next tick on, and the next one is taken up. told: out, what the last one
+    has told. in_time: out, 1 bit, that was so no longer than latency_ticks ago.
     """
 
     def __init__(self, width: int, latency_ticks: int) -> None:
         self._latency_ticks = latency_ticks
         super().__init__(
-            {
-                "sent": In(width),
-                "sends": In(1),
-                "delivers": In(1),
-                "told": Out(width),
-                "in_time": Out(1),
-            }
+            {"sent": In(width), "delivers": In(1), "told": Out(width), "in_time": Out(1)}
         )
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        ages = range(self._latency_ticks + 2)
-        carried, carries = Signal.like(self.sent), Signal()
-        carried_age, age = Signal(ages), Signal(ages)  # ticks since it was taken up
-        most = self._latency_ticks + 1
-        m.d.comb += self.in_time.eq(age != most)
-        m.d.sync += age.eq(age + (age != most))
-        m.d.sync += carried_age.eq(carried_age + (carried_age != most))
-        with m.If(carries & self.delivers):
-            m.d.sync += [self.told.eq(carried), carries.eq(0)]
-            m.d.sync += age.eq(carried_age + (carried_age != most))
-        with m.If(self.sends & (~carries | self.delivers)):
-            m.d.sync += [carried.eq(self.sent), carries.eq(1), carried_age.eq(1)]
+        late = self._latency_ticks + 1
+        carried = Signal.like(self.sent)
+        carried_age, age = Signal(range(late + 1)), Signal(range(late + 1))
+        older = carried_age + (carried_age != late)
+        m.d.comb += self.in_time.eq(age != late)
+        m.d.sync += [age.eq(age + (age != late)), carried_age.eq(older)]
+        with m.If(self.delivers):
+            m.d.sync += [self.told.eq(carried), age.eq(older)]
+            m.d.sync += [carried.eq(self.sent), carried_age.eq(1)]
         return m
 
 
 class Pair(Monitor):
-    """Both channels of one output, their wiring, votes, storage and outputs; one relay.
+    """Both channels with their own wiring, of which is cut out what brings them frames, messages,
+    time and feedback, and the test of the shut-off paths; also the blocks of the names `cut`.
 
-    Cut out is what they get frames, messages, time and feedback by. run_n: FPGA n's clock. sends_n,
-    delivers_n: its line, see Line. accepts_n: its CPU's frame of this cycle is accepted. images_n:
-    bit k is the image of all frames of cycle k of that CPU, as in tick 0.
-    Assumed is that clocks are steady, messages come in time, and frames in the cycle's first ticks.
+    inputs: those of the monitor, beside TIMING and, for FPGA n: accepts_n, its CPU's frame of this
+    cycle is accepted; images_n, in tick 0, bit k is that frame's image in cycle k.
+    Assumed is that clocks are steady, messages in time, and frames in their phases, one a cycle at
+    most. Each CPU numbers its frames as the cycles; both FPGAs' times begin together.
     """
 
-    def __init__(
-        self, config: Config, inputs: Mapping[str, int], lemmas: Iterable[str] = ()
-    ) -> None:
-        frames = {f"{name}_{n}": 1 for name in ("accepts",) for n in (1, 2)}
-        images = {f"images_{n}": 1 << NUMBER_BITS for n in (1, 2)}
-        super().__init__({**CLOCKS, **LINKS, **frames, **images, **inputs}, lemmas)
-        self.config = config
+    def __init__(self, inputs: Mapping[str, int], cut: Iterable[str] = ()) -> None:
+        frames = {f"accepts_{n}": 1 for n in (1, 2)}
+        images = {f"images_{n}": CYCLES for n in (1, 2)}
+        super().__init__({**TIMING, **frames, **images, **inputs})
+        self._cut = tuple(cut)
         self.legal: list[Value] = []
+        self.punctual: list[Value] = []  # for each CPU, its frame of this cycle is not late
         self.contact = Signal()
 
     def pair(self, m: Module) -> tuple[Internals, Internals]:
-        """Adds both, and all between them."""
-        channels, clocks = [], []
-        for n in (1, 2):
+        """Adds both, and what is between them."""
+        lines = [Line(6 + CYCLE_BITS, PAIR.latency_ticks) for _ in range(2)]
+        channels = []
+        for n, (own, peers) in enumerate((lines, lines[::-1]), 1):
+            run = getattr(self, f"run_{n}")
             m.submodules[f"clock_{n}"] = clock = Clock()
-            m.d.comb += clock.run.eq(getattr(self, f"run_{n}"))
-            self.legal.append(clock.steady)
-            clocks.append(clock)
-        lines = []
-        width = 2 + 2 + NUMBER_BITS + 2
-        for n in (1, 2):
-            m.submodules[f"line_{n}"] = line = Line(width, self.config.latency_ticks)
+            m.submodules[f"line_{n}"] = own
+            inner = self._channel(m, n, peers.told)
+            m.submodules[f"fpga_{n}"] = EnableInserter(run)(inner)
             m.d.comb += [
-                line.sends.eq(getattr(self, f"sends_{n}")),
-                line.delivers.eq(getattr(self, f"delivers_{n}")),
+                clock.run.eq(run),
+                own.delivers.eq(getattr(self, f"delivers_{n}")),
+                own.sent.eq(self._sent(inner)),
             ]
-            self.legal.append(line.in_time)
-            lines.append(line)
-        for n in (1, 2):
-            channels.append(self._channel(m, n, getattr(self, f"run_{n}"), lines[2 - n]))
-        for channel, line in zip(channels, lines, strict=True):
-            own = channel["vote.own"]
-            m.d.comb += line.sent.eq(
-                Cat(
-                    channel["output_0.code"],
-                    channel["vote.carries"],
-                    channel["vote.passed"],
-                    own.sequence[:NUMBER_BITS],
-                    own.image,
-                    own.acknowledge,
-                )
-            )
+            self.legal += [clock.steady, own.in_time]
+            channels.append(inner)
         return channels[0], channels[1]
 
-    def _channel(self, m: Module, n: int, run: Value, line: Line) -> Internals:
+    def _sent(self, inner: Internals) -> Value:
+        own = inner["vote.own"]
+        told = [inner["output_0.code"]] if "Output" not in self._cut else [Const(0, 2)]
+        told += [inner["vote.carries"], inner["vote.passed"], own.image, own.acknowledge]
+        return Cat(*told, own.sequence[:CYCLE_BITS])
+
+    def _channel(self, m: Module, n: int, message: Value) -> Internals:
         from railgate.vital_output.gateware import channel
 
-        config = self.config
-        cycle, phase = (
-            Signal(NUMBER_BITS, name=f"cycle_{n}"),
-            Signal(range(config.cycle_ticks), name=f"phase_{n}"),
+        run, accepts = getattr(self, f"run_{n}"), getattr(self, f"accepts_{n}")
+        cycle, phase = self._time(m, n, run)
+        accepted, first, drove = (
+            Signal(name=f"{name}_{n}") for name in ("accepted", "past", "drove")
         )
-        with m.If(run):
-            m.d.sync += phase.eq(phase + 1)
-            with m.If(phase == config.cycle_ticks - 1):
-                m.d.sync += [phase.eq(0), cycle.eq(cycle + 1)]
-        images, first = (
-            Signal(1 << NUMBER_BITS, name=f"all_images_{n}"),
-            Signal(init=1, name=f"first_{n}"),
+        images, seen = (
+            Signal(CYCLES, name=f"image_of_{n}"),
+            Signal(CYCLE_BITS + 1, name=f"seen_{n}"),
         )
-        m.d.sync += first.eq(0)
-        with m.If(first):
+        carries, passed, image, acknowledge = message[2:6]
+        number = message[6:]
+        fresh = carries & (seen != Cat(number, 1))
+        m.d.sync += first.eq(1)
+        with m.If(~first):
             m.d.sync += images.eq(getattr(self, f"images_{n}"))
-
-        code, carries, passed = line.told[:2], line.told[2], line.told[3]
-        number, image, acknowledge = line.told[4 : 4 + NUMBER_BITS], line.told[-2], line.told[-1]
-        seen, any_seen, fresh = (
-            Signal(NUMBER_BITS, name=f"seen_{n}"),
-            Signal(name=f"any_seen_{n}"),
-            Signal(name=f"fresh_{n}"),
-        )
-        m.d.comb += fresh.eq(carries & (~any_seen | (number != seen)))
-        with m.If(run & fresh):
-            m.d.sync += [seen.eq(number), any_seen.eq(1)]
-
-        accepts, accepted = (
-            getattr(self, f"accepts_{n}"),
-            Signal(name=f"accepted_{n}"),
-        )  # of this cycle
         with m.If(run):
-            m.d.sync += accepted.eq((accepted | accepts) & (phase != config.cycle_ticks - 1))
-        may = (phase >= 1) & (phase <= 2) & ~accepted & ~first
-        self.legal.append(~accepts | may)
-        self.due = [*getattr(self, "due", []), (phase <= 2) | accepted]
+            m.d.sync += accepted.eq((accepted | accepts) & (phase != PAIR.cycle_ticks - 1))
+        with m.If(run & fresh):
+            m.d.sync += seen.eq(Cat(number, 1))
+        in_phase = (phase >= 1) & (phase <= LAST_PHASE)
+        self.legal.append(~accepts | (in_phase & first & ~accepted))
+        self.punctual.append((phase <= LAST_PHASE) | accepted)
 
-        drove = Signal(name=f"drove_{n}")
-        told = {
+        told: Told = {
             "Command": {
                 "accepted": accepts,
                 "frame_index": cycle,
@@ -205,35 +181,48 @@ class Pair(Monitor):
             },
             "FrameCheck": {"done": fresh, "good": fresh, "good_index": number},
             "LinkReceiver": {
-                "peer_ok": 1,
+                "peer_ok": Const(1),
+                "peer_codes": message[:2],
                 "peer_carries": carries,
                 "peer_passed": passed,
                 "peer_sequence": number,
                 "peer_image": image,
                 "peer_acknowledge": acknowledge,
-                "peer_codes": code,
             },
             "LinkTransmitter": {},
-            "Timekeeper": {"index": cycle, "decides": phase == config.decision_ticks},
-            "Shutoff": {"both_done": 1},
-            "Feedback": {"frequency": 1, "contact": self.contact, "fb": self.contact | drove},
+            "Timekeeper": {"index": cycle, "decides": phase == PAIR.decision_ticks},
+            "Shutoff": {"both_done": Const(1)},
+            "Feedback": {
+                "frequency": Const(1),
+                "contact": self.contact,
+                "fb": self.contact | drove,
+            },
             "Status": {},
+            **{name: {} for name in self._cut},
         }
-        told = {
-            name: {k: Value.cast(v) for k, v in values.items()} for name, values in told.items()
-        }
-        inner = cut(channel, "Channel", (config, n - 1), told)
-        m.submodules[f"fpga_{n}"] = EnableInserter(run)(inner)
+        inner = cut(channel, "Channel", (PAIR, n - 1), told)
         with m.If(run):
-            m.d.sync += drove.eq(inner["output_0.state"] == State.DRIVE)
+            m.d.sync += drove.eq(self.drives(inner))
         return inner
 
+    def _time(self, m: Module, n: int, run: Value) -> tuple[Signal, Signal]:
+        """Cycle and phase by the channel's own clock."""
+        cycle = Signal(CYCLE_BITS, name=f"cycle_{n}")
+        phase = Signal(range(PAIR.cycle_ticks), name=f"phase_{n}")
+        ends = phase == PAIR.cycle_ticks - 1
+        with m.If(run):
+            m.d.sync += [phase.eq(Mux(ends, 0, phase + 1)), cycle.eq(cycle + ends)]
+        return cycle, phase
+
+    def drives(self, inner: Internals) -> Value:
+        return Const(0) if "Output" in self._cut else inner["output_0.state"] == State.DRIVE
+
     def relay(self, m: Module, channels: Iterable[Internals]) -> None:
-        """Its contact closes once both have driven for two ticks, and opens two after."""
-        drive = Cat(channel["output_0.state"] == State.DRIVE for channel in channels).all()
-        before, earlier = Signal(), Signal()
-        m.d.sync += [before.eq(drive), earlier.eq(before)]
-        with m.If(drive & before & earlier):
+        """Its contact closes after 3 ticks in which both drive, and opens after 3 without."""
+        both = Cat(self.drives(channel) for channel in channels).all()
+        before = Signal(2)
+        m.d.sync += before.eq(Cat(both, before))
+        with m.If(both & before.all()):
             m.d.sync += self.contact.eq(1)
-        with m.Elif(~(drive | before | earlier)):
+        with m.Elif(~both & ~before.any()):
             m.d.sync += self.contact.eq(0)

@@ -199,6 +199,7 @@ CLAIMS = (
         ),
         requirements=("DRV-3",),
         monitor=_Forward,
+        fast=False,
         method=Induction(),
         mutants=(
             _mutant(

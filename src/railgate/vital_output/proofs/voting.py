@@ -154,6 +154,7 @@ CLAIMS = (
         ),
         requirements=("DRV-6",),
         monitor=_Vote,
+        fast=False,
         method=Induction(),
         cover=SKEWS,
         mutants=(
