@@ -56,7 +56,7 @@ def assert_channel_is_the_same(config: Config, board: int, cycles: int, seed: in
 
 
 @given(st.sampled_from(DESIGNS), SEEDS)
-@settings(max_examples=24, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_the_channel_is_that_of_leap_whatever_surrounds_it(
     of: tuple[Config, int], seed: int
 ) -> None:

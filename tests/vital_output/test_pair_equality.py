@@ -131,7 +131,7 @@ def assert_cases(case: Case, data: st.DataObject, cycles: int) -> None:
 
 
 @given(st.sampled_from(CASES), st.data())
-@settings(max_examples=24, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_the_pair_is_that_of_leap_whatever_goes_wrong(case: Case, data: st.DataObject) -> None:
     assert_cases(case, data, 8)
 

@@ -104,7 +104,7 @@ AHEAD = st.lists(st.integers(-MARGIN, MARGIN), min_size=END, max_size=END)
 
 
 @given(clocks(), AHEAD, AHEAD, st.integers(0, CYCLE_TICKS + MARGIN), st.integers(-2000, 2000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_no_image_lives_longer_than_declared(
     timing: dict[str, Fraction], one: list[int], other: list[int], phase: int, skew: int
 ) -> None:
@@ -147,7 +147,7 @@ IN_ONE_CHANNEL = FAULTS.keys() - {"welded"}
 
 
 @given(scenarios(SMALL, 14, kinds=IN_ONE_CHANNEL, most=1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_a_contact_opens_in_the_declared_time_whatever_fails_in_one_channel(
     scenario: Scenario,
 ) -> None:

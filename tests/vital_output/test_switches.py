@@ -34,7 +34,7 @@ SETTLED = 4
 
 
 @given(scenarios(SMALL, 40))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_no_switch_on_or_off_raises_an_alarm(scenario: Scenario) -> None:
     assert_switches(scenario, SMALL)
 
@@ -71,7 +71,7 @@ SPARE = replace(
 
 
 @given(scenarios(SPARE, 20), st.integers(0, 1 << 32))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_no_single_lost_message_raises_an_alarm_or_stops_a_switch(
     scenario: Scenario, seed: int
 ) -> None:
@@ -113,7 +113,7 @@ def worst_start(scenario: Scenario, delay_ticks: int) -> Fraction:
 
 
 @given(scenarios(SMALL, 30), DELAYS)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_both_trains_begin_within_4_ticks_and_the_links_latency(
     scenario: Scenario, delay_ticks: int
 ) -> None:
