@@ -193,6 +193,16 @@ def test_a_stop_counts_no_ticks() -> None:
     assert changes(of(found, 2), "index")[:2] == [(12_000, 1), (24_000, 2)]
 
 
+def test_a_reset_acts_on_a_stopped_clock_too() -> None:
+    """What is as at start stays so until the clock runs again: its first tick is the new 0."""
+    faults = {"fpga_1.stopped": between(6_000, 6_500), "fpga_1_rst": between(6_100, 6_103)}
+    one = of(run(commanded(SMALL, 0, **faults)), 1)
+    assert [tick for tick, _ in changes(one, "linked")][:2] == [2_007, 6_101]
+    assert changes(one, "link_tx")[-1][0] > 6_101
+    assert [tick for tick, _ in changes(one, "link_tx") if 6_101 < tick < 6_510] == [6_508]
+    assert changes(one, "index")[0] == (18_500, 1)
+
+
 def test_a_rogue_train_holds_its_stage_but_not_the_contact() -> None:
     """FPGA 1's stage lives on, FPGA 2's is dead as it would be anyway."""
     plain = run(commanded(SMALL, *IMAGES))

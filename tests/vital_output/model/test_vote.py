@@ -166,7 +166,8 @@ def test_a_second_rejection_in_the_interval_latches_until_acknowledged() -> None
     shown = verdict(10) + 134 + 3
     assert changes(run, "stored_count") == [(4_772, 1), (shown, 2)]
     assert changes(run, "latched") == [(5_644, 1), (shown, 0)]
-    assert changes(run, "image") == [(4_772, 1), (5_644, 0)]
+    # Latched no more, it stores the image of the frame that acknowledges.
+    assert changes(run, "image") == [(4_772, 1), (5_644, 0), (shown, 1)]
     assert changes(run, "first_cause")[0] == (5_144, Cause.REPETITION)
     assert (shown, 0) in changes(run, "first_cause")
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from railgate.vital_output.model.channel import begin, halt, tick_of_channel
 from railgate.vital_output.model.clocks import edge, sampled
+from railgate.vital_output.model.log import LOG_ROOM, note_down
 from railgate.vital_output.model.messages import latch, resume, send
-from railgate.vital_output.model.records import FAR, INPUTS, NONE, SIGNALS, places
+from railgate.vital_output.model.records import FAR, INPUTS, NONE, places
 from railgate.vital_output.model.relays import begin_relays, halt_relays, tick_of_relays
 from railgate.vital_output.model.resting import cease, disturb, turn_pulses
 from railgate.vital_output.model.trains import reckon
@@ -29,18 +30,12 @@ from railgate.vital_output.model.wires import (
     wire,
 )
 
-__all__ = ["LOG_ROOM", "run"]
+__all__ = ["run"]
 
 RST, STOPPED = INPUTS.index("rst"), INPUTS.index("stopped")
 LINK_RX, FEEDBACK, CONTACT = (INPUTS.index(n) for n in ("link_rx", "pulse_feedback", "contact"))
 LINK_TX, PULSES = places("link_tx", "pulses")
 ALL, QUIET = np.int64(-1), np.int64(1)
-
-CONTACTS = np.int64(2 * len(SIGNALS))
-"""The contacts' place in the log, behind the signals of both channels."""
-
-LOG_ROOM = 4 * len(SIGNALS)
-"""More rows than the log grows by at one time."""
 
 
 @njit(nogil=True)
@@ -176,15 +171,15 @@ def reset_channel(st: Any, limit: Any, d: int) -> None:
 def act_channel(st: Any, limit: Any, d: int) -> None:
     """What a channel does in the tick of its event."""
     domain, c = st.domains[d], st.channels[d]
+    c.time = domain.time
+    if domain.held[RST]:  # also where the clock is stopped
+        reset_channel(st, limit, d)
     if domain.frozen != NONE:
         return
     tick = domain.event - domain.skipped
-    c.time = domain.time
-    if domain.held[RST]:
-        reset_channel(st, limit, d)
-        domain.done = tick
-        return
     domain.done = tick
+    if domain.resetting:
+        return
     if tick == c.latch:
         latch(limit, c)
     if tick == c.toggle:
@@ -227,31 +222,6 @@ def act(st: Any, limit: Any, d: int) -> None:
         act_channel(st, limit, d)
 
 
-@njit(nogil=True)
-def note_down(st: Any, time: int, log: NDArray[Any]) -> None:
-    """What has changed at this time goes into the log, if it is asked for."""
-    for d in range(2):
-        c = st.channels[d]
-        if c.news:
-            c.news = 0
-            for signal in range(len(SIGNALS)):
-                if c.shown[signal] != c.logged[signal]:
-                    c.logged[signal] = c.shown[signal]
-                    if c.wanted[signal]:
-                        write(log, time, c.base + signal, c.shown[signal])
-    if st.relays.contact != st.logged:
-        st.logged = st.relays.contact
-        if st.wanted:
-            write(log, time, CONTACTS, st.logged)
-
-
-@njit(nogil=True)
-def write(log: NDArray[Any], time: int, place: int, value: int) -> None:
-    row = log[0, 0]
-    log[row, 0], log[row, 1], log[row, 2] = time, place, value
-    log[0, 0] = row + 1
-
-
 def compiled(sources: str) -> Any:
     """The loop for these sources. numba's cache looks at this file and at what a kernel closes
     over, not at the files of those that it calls: so it closes over a digest of them."""
@@ -269,8 +239,8 @@ def compiled(sources: str) -> Any:
         """Run all edges before `until`; True if the log is full before that.
 
         st_of, limit_of: shape (1,), STATE and LIMITS. changes: of each domain's inputs, in rows of
-        edge, input and value. calm: when the lines are disturbed, last of all `until`. log: first
-        of all how many rows there are with this one, then rows of time, signal and value.
+        edge, input and value. calm: when the lines are disturbed, last of all `until`. log: of
+        railgate.vital_output.model.log.
         """
         st, limit = st_of[0], limit_of[0]
         domains = 3 if st.loop else 1

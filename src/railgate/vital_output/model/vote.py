@@ -60,8 +60,8 @@ def store(limit: Any, c: Any) -> tuple[bool, int]:
     ):
         return False, 0
     count(c, STORED)
-    r.image = 0 if was.latched else was.own.image
-    r.acknowledge, r.stored_index = was.own.acknowledge, was.own.index
+    r.image, r.acknowledge = was.own.image, was.own.acknowledge
+    r.stored_index = was.own.index
     r.life, r.open = limit.life_cycles, 0
     rises = was.own.acknowledge & ~was.acknowledge
     if rises:

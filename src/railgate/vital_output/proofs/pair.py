@@ -136,7 +136,7 @@ class Pair(Monitor):
                 own.delivers.eq(getattr(self, f"delivers_{n}")),
                 own.sent.eq(self._sent(inner)),
             ]
-            self.legal += [clock.steady, own.in_time]
+            self.legal += [clock.steady if n == 2 else run, own.in_time]
             channels.append(inner)
         return channels[0], channels[1]
 
