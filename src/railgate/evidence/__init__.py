@@ -1,1 +1,1 @@
-"""What is shown of the functions: their claims, proven."""
+"""What is shown of the functions: their claims, proven, and each requirement's evidence."""

@@ -73,9 +73,10 @@ def test_what_is_sampled_is_what_the_edge_at_the_ticks_end_finds(
     assert (edges.sampled(wave).at(ticks) == wave.at(edges.begin(ticks + 1) - 1)).all()
 
 
-def test_the_time_of_a_tick_is_its_edges_exactly() -> None:
-    clock = Clock(frequency_hz=Fraction(1000), ppm=Fraction(100), phase=Fraction(1, 4))
-    assert Edges(clock).time_s(9) == Fraction(37, 4) / (1000 * Fraction(1_000_100, 1_000_000))
+@given(clocks, st.lists(st.integers(0, 10**12), min_size=1, max_size=5))
+def test_another_clocks_count_is_within_half_a_period(clock: Clock, ticks: list[int]) -> None:
+    for tick, count in zip(ticks, Edges(clock).counted(ticks, 16_000).tolist(), strict=True):
+        assert abs((tick + clock.phase) * clock.period * 16_000 - count) <= Fraction(1, 2)
 
 
 def test_femtoseconds_are_rounded_up() -> None:

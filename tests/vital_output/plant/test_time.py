@@ -33,7 +33,8 @@ def off_ticks(told: Scenario, fpga: int) -> list[Fraction]:
     """By how much each update is ahead of the network's time when its tick begins."""
     clock = edges(told, fpga)
     return [
-        ((index - told.first_index) * CYCLE + phase) - clock.time_s(tick) * SMALL.clock_hz
+        ((index - told.first_index) * CYCLE + phase)
+        - (tick + clock.clock.phase) * clock.clock.period * SMALL.clock_hz
         for tick, index, phase in given_times(told, fpga)
     ]
 

@@ -5,14 +5,19 @@ Ref: source 004, paragraphs 14 to 18; DRV-1, DRV-2, DRV-4.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from railgate.vital_output.spec import Config
 
-__all__ = ["crc", "encode"]
+__all__ = ["crc", "encode", "encoded"]
 
-TOP = 1 << 31
 WORD = (1 << 32) - 1
+
+Octets = NDArray[np.uint8]
 
 
 def encode(
@@ -23,37 +28,56 @@ def encode(
     board: 0 or 1, which of config.boards. time, sequence: modulo 2³². image, acknowledge: bit i is
     output i's. Board and time are in the CRC alone. Raises ValueError.
     """
-    if board not in (0, 1):
-        raise ValueError(f"board must be 0 or 1, not {board}")
+    (frame,) = encoded(config, [board], [time & WORD], [sequence & WORD], [image], [acknowledge])
+    return bytes(frame)
+
+
+def encoded(
+    config: Config,
+    boards: Sequence[int],
+    times: Sequence[int],
+    sequences: Sequence[int],
+    images: Sequence[int],
+    acknowledges: Sequence[int],
+) -> Octets:
+    """Many frames at once, shape (n, frame_bytes): as `encode`, with all below 2³²."""
+    _require("board", boards, 1)
+    for name, told in (("image", images), ("acknowledge", acknowledges)):
+        _require(name, told, (1 << config.outputs) - 1)
     size = -(-config.outputs // 8)
-    fields = [(sequence & WORD).to_bytes(4, "big")]
-    for name, bits in (("image", image), ("acknowledge", acknowledge)):
-        if not 0 <= bits < 1 << config.outputs:
-            most = (1 << config.outputs) - 1
-            raise ValueError(f"{name} must be between 0 and {most:#x}, not {bits:#x}")
-        fields.append(bits.to_bytes(size, "big"))
-    sent = b"".join(fields)
-    implicit = config.boards[board].to_bytes(4, "big") + (time & WORD).to_bytes(4, "big")
-    return sent + crc(config.polynomial, implicit + sent).to_bytes(4, "big")
+    board_ids = [config.boards[board] for board in boards]
+    sent = [_octets(sequences, 4), _octets(images, size), _octets(acknowledges, size)]
+    covered = np.concatenate([_octets(board_ids, 4), _octets(times, 4), *sent], axis=1)
+    return np.concatenate([*sent, _octets(crc(config.polynomial, covered), 4)], axis=1)
 
 
-def crc(polynomial: int, data: bytes) -> int:
-    """The CRC of 32 bits over whole bytes, a byte at a time: the register starts as all ones, the
-    most significant bit goes first, nothing is added at the end."""
+def _require(name: str, numbers: Sequence[int], most: int) -> None:
+    """Raises ValueError unless each is between 0 and `most`."""
+    for number in set(numbers):
+        if not 0 <= number <= most:
+            raise ValueError(f"{name} must be between 0 and {most:#x}, not {number:#x}")
+
+
+def _octets(numbers: ArrayLike, size: int) -> Octets:
+    """The low bytes of each number, the most significant one first: shape (n, size)."""
+    big = np.asarray(numbers, np.uint64).astype(">u8")
+    return big.view(np.uint8).reshape(-1, 8)[:, 8 - size :]
+
+
+def crc(polynomial: int, data: Octets) -> NDArray[np.uint32]:
+    """The CRC of 32 bits over each row of bytes: the register starts as all ones, the most
+    significant bit goes first, nothing is added at the end. data: (n, bytes); returns (n,)."""
     table = _table(polynomial)
-    register = WORD
-    for byte in data:
-        register = (register << 8) & WORD ^ table[register >> 24 ^ byte]
+    register = np.full(data.shape[0], WORD, np.uint32)
+    for column in data.T:
+        register = register << np.uint32(8) ^ table[register >> np.uint32(24) ^ column]
     return register
 
 
 @cache
-def _table(polynomial: int) -> tuple[int, ...]:
+def _table(polynomial: int) -> NDArray[np.uint32]:
     """What eight steps make of each byte at the register's top."""
-    table = []
-    for byte in range(256):
-        register = byte << 24
-        for _ in range(8):
-            register = (register << 1) & WORD ^ (polynomial if register & TOP else 0)
-        table.append(register)
-    return tuple(table)
+    register = np.arange(256, dtype=np.uint32) << np.uint32(24)
+    for _ in range(8):
+        register = register << np.uint32(1) ^ (register >> np.uint32(31)) * np.uint32(polynomial)
+    return register

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railgate.bounds import require
-from railgate.vital_output.host import encode
+from railgate.vital_output.host import encoded
 from railgate.vital_output.plant.edges import Edges, femtoseconds
 from railgate.vital_output.spec import Config
 from railgate.waves import Waveform
@@ -29,6 +31,10 @@ class Command:
     acknowledge: int = 0
 
 
+NOTHING = Command(start_s=Fraction(0), image=0)
+"""What holds before the first."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Frame:
     """One frame on its way to an FPGA.
@@ -46,11 +52,6 @@ class Frame:
     image: int
     acknowledge: int
     inverted: int = 0
-
-    def encoded(self, config: Config) -> bytes:
-        """As it comes."""
-        made = encode(config, self.board, self.time, self.sequence, self.image, self.acknowledge)
-        return (int.from_bytes(made, "big") ^ self.inverted).to_bytes(len(made), "big")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,9 +94,11 @@ class Cpus:
         phase = 2 * config.margin_s if self.phase_s is None else self.phase_s
         jitter = random.integers(0, 1 + femtoseconds(self.jitter_s), (2, cycles)).tolist()
         sent: tuple[list[Frame], list[Frame]] = ([], [])
+        begins = [command.start_s / config.cycle_s for command in commands]
         for cycle in range(self.first_cycle, cycles):
             begin = cycle * config.cycle_s
-            command = _command(commands, begin)
+            at = bisect_right(begins, cycle)
+            command = commands[at - 1] if at else NOTHING
             for board, skew in enumerate((Fraction(0), self.skew_s)):
                 due = max(femtoseconds(begin + phase + skew), 0)
                 sent[board].append(
@@ -112,16 +115,6 @@ class Cpus:
         return sent
 
 
-def _command(commands: Sequence[Command], time_s: Fraction) -> Command:
-    """The one that holds at a time; all 0 before the first."""
-    held = Command(start_s=Fraction(0), image=0)
-    for command in commands:
-        if command.start_s > time_s:
-            break
-        held = command
-    return held
-
-
 def stream(config: Config, edges: Edges, frames: Sequence[Frame], end: int) -> dict[str, Waveform]:
     """An FPGA's `command.payload` and `command.valid` below the femtosecond `end`.
 
@@ -129,24 +122,28 @@ def stream(config: Config, edges: Edges, frames: Sequence[Frame], end: int) -> d
     while the channel still checks the frame before waits for it.
     """
     ordered = sorted((each for each in frames if each.sent < end), key=lambda each: each.sent)
-    due = edges.first(np.array([frame.sent for frame in ordered], np.int64)).tolist()
-    ticks, values, valid = (
-        [np.zeros(1, np.int64)],
-        [np.zeros(1, np.uint64)],
-        [np.zeros(1, np.bool_)],
-    )
-    free = 0
-    for frame, tick in zip(ordered, due, strict=True):
-        data = np.frombuffer(frame.encoded(config), np.uint8).astype(np.uint64)
-        data[0] |= FIRST
-        data[-1] |= LAST
-        first = max(tick, free)
-        free = first + data.size - 1 + config.check_ticks
-        ticks.append(first + np.arange(data.size + 1))
-        values.append(np.append(data, np.uint64(0)))
-        valid.append(np.arange(data.size + 1) < data.size)
-    at = np.concatenate(ticks)
+    size = config.layout.frame_bytes
+    values, valid = np.zeros((2, len(ordered), size + 1), np.uint64)
+    values[:, :size] = _sent(config, ordered)
+    values[:, 0] |= FIRST
+    values[:, size - 1] |= LAST
+    valid[:, :size] = 1
+    first, free = edges.first(np.array([frame.sent for frame in ordered], np.int64)), 0
+    for n, tick in enumerate(first.tolist()):
+        first[n] = max(tick, free)
+        free = max(tick, free) + size - 1 + config.check_ticks
+    at = np.append(0, first[:, None] + np.arange(size + 1))
     return {
-        "command.payload": edges.wave(at, np.concatenate(values), PAYLOAD_BITS, end),
-        "command.valid": edges.wave(at, np.concatenate(valid), 1, end),
+        "command.payload": edges.wave(at, np.append(np.uint64(0), values), PAYLOAD_BITS, end),
+        "command.valid": edges.wave(at, np.append(np.uint64(0), valid), 1, end),
     }
+
+
+def _sent(config: Config, frames: Sequence[Frame]) -> NDArray[np.uint8]:
+    """The bytes of each frame as they come, shape (n, frame_bytes)."""
+    names = ("board", "time", "sequence", "image", "acknowledge")
+    sent = encoded(config, *([getattr(frame, name) for frame in frames] for name in names))
+    for row, frame in zip(sent, frames, strict=True):
+        if frame.inverted:
+            row ^= np.frombuffer(frame.inverted.to_bytes(row.size, "big"), np.uint8)
+    return sent

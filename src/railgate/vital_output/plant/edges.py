@@ -69,9 +69,15 @@ class Edges:
         """How many ticks have begun before the femtosecond `end`, which is above 0."""
         return 1 + int(self.during(end - 1))
 
-    def time_s(self, tick: int) -> Fraction:
-        """When the edge is with which tick `tick` begins, exact; of tick 0 as if there were one."""
-        return (tick + Fraction(self.clock.phase)) * self.clock.period
+    def counted(self, ticks: ArrayLike, frequency_hz: int) -> Ticks:
+        """How many periods of another clock, begun with the run, have passed by the edge with
+        which each of these ticks begins (of tick 0 as if there were one), rounded."""
+        step = self.clock.period * frequency_hz
+        first = Fraction(self.clock.phase) * step
+        unit = 2 * lcm(step.denominator, first.denominator)
+        exact = np.asarray(ticks, np.int64).astype(object) * int(step * unit) + int(first * unit)
+        counts: Ticks = ((exact + unit // 2) // unit).astype(np.int64)
+        return counts
 
     def wave(self, ticks: ArrayLike, values: ArrayLike, width: int, end: int) -> Waveform:
         """A signal that changes with the beginning of these ticks, in femtoseconds below `end`.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
-from railgate.vital_output.plant.edges import Edges, femtoseconds
+from railgate.vital_output.plant.edges import FEMTOSECOND, Edges
 from railgate.vital_output.spec import Config
 from railgate.waves import Waveform
 
@@ -28,11 +29,8 @@ class Update:
 
 def updates(config: Config, cycles: int, every: int) -> list[Update]:
     """One in the middle of each `every`-th of so many cycles, from the first on."""
-    half = config.cycle_s / 2
-    return [
-        Update(cycle=cycle, due=femtoseconds(cycle * config.cycle_s + half))
-        for cycle in range(0, cycles, every)
-    ]
+    half = config.cycle_s / FEMTOSECOND / 2  # an exact number of femtoseconds, not always whole
+    return [Update(cycle=n, due=ceil((2 * n + 1) * half)) for n in range(0, cycles, every)]
 
 
 def port(
@@ -44,13 +42,12 @@ def port(
     clock_hz. Each update is in the first tick that begins not before it is due, and gives the time
     at which this tick begins, rounded to a whole tick.
     """
-    ticks = edges.first(np.array([update.due for update in given], np.int64))
-    index, phase = [0], [0]
-    for update, tick in zip(given, ticks.tolist(), strict=True):
-        now = round(edges.time_s(tick) * config.clock_hz) + update.ahead_ticks
-        cycles, rest = divmod(now, config.cycle_ticks)
-        index.append((first_index + cycles) % (1 << INDEX_BITS))
-        phase.append(rest)
+    due, ahead = np.array([(u.due, u.ahead_ticks) for u in given], np.int64).reshape(-1, 2).T
+    ticks = edges.first(due)
+    now = edges.counted(ticks, config.clock_hz) + ahead
+    cycles, phase = np.divmod(np.append(0, now), config.cycle_ticks)
+    index = (first_index + cycles) % (1 << INDEX_BITS)
+    index[0] = 0
     at = np.append(0, ticks)
     pulses = np.stack([ticks, ticks + 1], axis=1).ravel()
     return {
