@@ -42,12 +42,12 @@ class FalseFrame(Frame):
     identity: int | None = None
     spoilt: Callable[[bytes], bytes] = kept
 
-    def encoded(self, config: Config) -> bytes:
+    def made(self, config: Config) -> Frame:
         fields = {name: getattr(self, name) for name in ("sequence", "image", "acknowledge")}
         identity = config.boards[self.board] if self.identity is None else self.identity
         crc = LAYOUT.crc(identity, self.time, fields)
         whole = pack(LAYOUT.frame, {**fields, "crc": crc}) ^ self.inverted
-        return self.spoilt(whole.to_bytes(LAYOUT.frame_bytes, "big"))
+        return replace(self, instead=self.spoilt(whole.to_bytes(LAYOUT.frame_bytes, "big")))
 
 
 Change = Callable[[FalseFrame], FalseFrame]
@@ -174,7 +174,10 @@ def false_frame(cpu: int, change: Change, after: Frame, now: Frame) -> FalseFram
 def with_frames(cpu: int, changed: Callable[[list[Frame]], Iterable[Frame]]) -> Run:
     """The pair's run with other frames of a CPU."""
     frames = list(frames_of(PAIR, SMALL))
-    frames[cpu - 1] = list(changed(frames[cpu - 1]))
+    frames[cpu - 1] = [
+        frame.made(SMALL) if isinstance(frame, FalseFrame) else frame
+        for frame in changed(frames[cpu - 1])
+    ]
     return run(PAIR, SMALL, inputs(PAIR, SMALL, frames=frames))
 
 

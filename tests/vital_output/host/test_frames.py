@@ -85,7 +85,7 @@ def test_time_and_sequence_wrap() -> None:
 
 
 def test_what_is_no_frame_is_refused() -> None:
-    with pytest.raises(ValueError, match="board must be between 0 and 0x1, not 2"):
+    with pytest.raises(ValueError, match="board must be between 0 and 0x1, not 0x2"):
         encode(DEFAULT, 2, 0, 0, 0)
     with pytest.raises(ValueError, match="image must be between 0 and 0x3, not 0x4"):
         encode(SMALL, 0, 0, 0, 4)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgate.bounds import require
 from railgate.vital_output.host import encoded
@@ -19,7 +18,9 @@ from railgate.waves import Waveform
 __all__ = ["Command", "Cpus", "Frame", "stream"]
 
 PAYLOAD_BITS = 10
-FIRST, LAST = np.uint64(1 << 8), np.uint64(1 << 9)
+VALID = np.uint64(1 << PAYLOAD_BITS)
+MARKS = np.array([1 << 8, 1 << 9, 1 << PAYLOAD_BITS], np.uint64)
+"""Of a frame's first and last byte, and of what comes after it: no byte."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +42,7 @@ class Frame:
 
     cycle: of the run, in which it is made. sent: when it comes, femtoseconds. board: 0 or 1, the
     FPGA that it is made for. time: the index in its CRC. inverted: the bits, of the whole frame as
-    one number, that are inverted on the way.
+    one number, that are inverted on the way. instead: what comes, if it is not what is encoded.
     """
 
     cycle: int
@@ -52,6 +53,7 @@ class Frame:
     image: int
     acknowledge: int
     inverted: int = 0
+    instead: bytes | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,28 +124,31 @@ def stream(config: Config, edges: Edges, frames: Sequence[Frame], end: int) -> d
     while the channel still checks the frame before waits for it.
     """
     ordered = sorted((each for each in frames if each.sent < end), key=lambda each: each.sent)
-    size = config.layout.frame_bytes
-    values, valid = np.zeros((2, len(ordered), size + 1), np.uint64)
-    values[:, :size] = _sent(config, ordered)
-    values[:, 0] |= FIRST
-    values[:, size - 1] |= LAST
-    valid[:, :size] = 1
-    first, free = edges.first(np.array([frame.sent for frame in ordered], np.int64)), 0
-    for n, tick in enumerate(first.tolist()):
-        first[n] = max(tick, free)
-        free = max(tick, free) + size - 1 + config.check_ticks
-    at = np.append(0, first[:, None] + np.arange(size + 1))
+    due = edges.first(np.array([frame.sent for frame in ordered], np.int64)).tolist()
+    ticks, values, free = [np.zeros(1, np.int64)], [np.zeros(1, np.uint64)], 0
+    for tick, data in zip(due, _sent(config, ordered), strict=True):
+        first = max(tick, free)
+        free = first + len(data) - 1 + config.check_ticks
+        ticks.append(np.arange(first, first + len(data) + 1))
+        values.append(np.frombuffer(data + b"\0", np.uint8) | VALID)
+        values[-1][[0, -2, -1]] ^= MARKS
+    at, told = np.concatenate(ticks), np.concatenate(values)
+    payload, valid = told & np.uint64((1 << PAYLOAD_BITS) - 1), told >> np.uint64(PAYLOAD_BITS)
     return {
-        "command.payload": edges.wave(at, np.append(np.uint64(0), values), PAYLOAD_BITS, end),
-        "command.valid": edges.wave(at, np.append(np.uint64(0), valid), 1, end),
+        "command.payload": edges.wave(at, payload, PAYLOAD_BITS, end),
+        "command.valid": edges.wave(at, valid, 1, end),
     }
 
 
-def _sent(config: Config, frames: Sequence[Frame]) -> NDArray[np.uint8]:
-    """The bytes of each frame as they come, shape (n, frame_bytes)."""
+def _sent(config: Config, frames: Sequence[Frame]) -> list[bytes]:
+    """The bytes of each frame as they come."""
     names = ("board", "time", "sequence", "image", "acknowledge")
-    sent = encoded(config, *([getattr(frame, name) for frame in frames] for name in names))
-    for row, frame in zip(sent, frames, strict=True):
+    made = encoded(config, *([getattr(frame, name) for frame in frames] for name in names))
+    sent = [row.tobytes() for row in made]
+    for n, frame in enumerate(frames):
         if frame.inverted:
-            row ^= np.frombuffer(frame.inverted.to_bytes(row.size, "big"), np.uint8)
+            whole = int.from_bytes(sent[n], "big") ^ frame.inverted
+            sent[n] = whole.to_bytes(len(sent[n]), "big")
+        if frame.instead is not None:
+            sent[n] = frame.instead
     return sent
