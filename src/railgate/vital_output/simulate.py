@@ -45,6 +45,12 @@ class Run:
     trace: Trace
     waves: Trace
 
+    @property
+    def stimulus(self) -> Trace:
+        """The inputs of the Loop alone."""
+        told = set(_outputs(self.config))
+        return self.trace.select(name for name in self.trace.signals if name not in told)
+
     @cached_property
     def channels(self) -> tuple[Observed, Observed]:
         """FPGA 1 and FPGA 2."""

@@ -1,0 +1,112 @@
+"""The sensing half of a run: what both odometers and the position link tell, cycle by cycle.
+
+Nothing that the unit does changes the train's motion in a scenario, so each function runs through
+the whole run by itself, one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgate.engines import open_engine
+from railgate.odometer.design import design as odometer_design
+from railgate.odometer.host import Snapshot, snapshots
+from railgate.odometer.plant import Profile
+from railgate.position_link.design import design as link_design
+from railgate.position_link.host import Deliveries, deliveries
+from railgate.position_link.plant import Scenario as LinkScenario
+from railgate.unit.config import AXLES
+from railgate.unit.faults import link_faults, sensors, wheel
+from railgate.unit.scenario import Scenario
+from railgate.waves import Trace, Waveform
+
+__all__ = ["Link", "Odometer", "link", "odometer", "pins", "strobes"]
+
+LINK_LEAD = 1
+"""Cycles of the link beyond the run's end, so that the last one is whole."""
+
+
+@dataclass(frozen=True)
+class Odometer:
+    """One FPGA's. stimulus: its pins and strobes, in ticks of its clock. shots: of each strobe one
+    snapshot of each axle."""
+
+    stimulus: Trace
+    shots: Sequence[tuple[Snapshot, ...]]
+
+
+@dataclass(frozen=True)
+class Link:
+    """stimulus: its pins, in ticks of its clock. told: its deliveries. times_s: when each is
+    there."""
+
+    stimulus: Trace
+    told: Deliveries
+    times_s: NDArray[np.float64]
+
+
+def rate(scenario: Scenario, fpga: int) -> Fraction:
+    """Ticks of FPGA 1's or FPGA 2's clocks for one that was exact."""
+    return 1 + (scenario.ppm_1, scenario.ppm_2)[fpga - 1] / 1_000_000
+
+
+def pins(scenario: Scenario, fpga: int, profile: Profile) -> Trace:
+    """The pins a, b of every sensor, in ticks of the FPGA's clock, which is not quite exact."""
+    config = scenario.config.odometer
+    real = replace(config, clock_hz=int(config.clock_hz * rate(scenario, fpga)))
+    signals: dict[str, Waveform] = {}
+    for axle, sensor in enumerate(sensors(scenario.sensor, scenario.faults)):
+        turned = wheel(profile, axle + 1, scenario.faults)
+        for name, wave in sensor.drive(turned, real).signals.items():
+            signals[f"sensor.{axle}.{name}"] = wave
+    return Trace(signals, Fraction(1, config.clock_hz), 0, strobes(scenario, fpga)[-1])
+
+
+def strobes(scenario: Scenario, fpga: int) -> list[int]:
+    """The tick of the FPGA's clock in which each system cycle's strobe comes, and the run's end.
+
+    The first cycle has none: a run begins with it.
+    """
+    per_cycle = scenario.config.vital.cycle_s * scenario.config.odometer.clock_hz
+    step = per_cycle * rate(scenario, fpga)
+    up, down = step.numerator, step.denominator
+    return [-(-n * up // down) for n in range(1, scenario.cycles + 1)]
+
+
+def odometer(scenario: Scenario, fpga: int, profile: Profile, engine: str = "leap") -> Odometer:
+    """Run FPGA 1's or FPGA 2's odometer."""
+    config = scenario.config.odometer
+    given = pins(scenario, fpga, profile)
+    times = np.array(strobes(scenario, fpga)[:-1], np.int64)
+    ticks = np.append(0, np.column_stack([times, times + 1]))
+    strobe = Waveform.of(ticks, np.arange(ticks.size) & 1)
+    stimulus = given.merge(Trace({"strobe": strobe}, given.period, 0, given.end))
+    outputs = open_engine(odometer_design(config), engine).advance(given.end, stimulus)
+    axles = [snapshots(outputs, config, sensor) for sensor in range(AXLES)]
+    return Odometer(stimulus, list(zip(*axles, strict=True)))
+
+
+def link(scenario: Scenario, profile: Profile, engine: str = "leap") -> Link:
+    """Run the position link of FPGA 1 against its position system."""
+    unit = scenario.config
+    config, real = unit.link, rate(scenario, 1)
+    cycles = int(scenario.seconds / config.cycle_s * real) + LINK_LEAD
+    asked_s: NDArray[np.float64] = np.arange(cycles) * float(config.cycle_s / real)
+    words = unit.layout.words(
+        {
+            "position": scenario.route.start_m + profile.position_m(asked_s),
+            "speed": np.abs(profile.speed_kmh(asked_s)),
+            "sequence": np.arange(cycles) % 16,
+        }
+    )
+    outside = LinkScenario(words=words, faults=link_faults(scenario.faults), seed=scenario.seed)
+    stimulus = outside.plan(config, cycles).drive()
+    names = ["delivery", *(field.name for field in config.fields)]
+    outputs = open_engine(link_design(config), engine).advance(stimulus.end, stimulus, names)
+    told = deliveries(outputs, config, unit.layout)
+    return Link(stimulus, told, told.ticks / float(config.clock_hz * real))
