@@ -27,7 +27,7 @@ PAUSE_CYCLES = 2.5
 @dataclass(frozen=True)
 class Event:
     """time_s: since the run's start. source: the part of the unit, or `train`, `fault`, `CPUs`,
-    `relay`. speed_kmh: the middle of FPGA 1's interval, place_m: the place by the position word or,
+    `relay`. speed_kmh: by FPGA 1's odometer, place_m: the place by the position word or,
     without one, by the odometer; both of the system cycle before, None in the first."""
 
     time_s: float
@@ -73,7 +73,7 @@ def _measured(run: Run, time_s: float, source: str, what: str) -> Event:
     if n < 0:
         return Event(time_s, source, what, None, None)
     word, way = float(cycles.word_m[n]), float(cycles.way_m[n, 0])
-    speed = float(cycles.low_kmh[n, 0] + cycles.high_kmh[n, 0]) / 2
+    speed = float(cycles.measured_kmh[n, 0])
     place = run.scenario.route.start_m + way if np.isnan(word) else word
     return Event(time_s, source, what, speed if np.isfinite(speed) else None, place)
 

@@ -6,11 +6,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.odometer.host import Train, TrainSpeed, distance_m
+from railgate.odometer.host import Train, TrainState
 from railgate.odometer.plant import Profile
 from railgate.unit.application import Replica, View, decide
 from railgate.unit.faults import vital_faults
@@ -32,19 +33,24 @@ Floats = NDArray[np.float64]
 class Cycles:
     """What was known in each system cycle but the first, column by column, each of shape (n,).
 
-    times_s: when it began. speed_kmh, place_m: the truth. low_kmh, high_kmh, way_m, stands: shape
-    (n, 2), the train's speed interval, its way since the start and its standstill by FPGA 1's and
-    FPGA 2's odometer. word_m: the position word's place, NaN where none was believed. status, age,
-    health: of the delivery it came with. image: what both CPUs commanded.
+    times_s: when it began. speed_kmh, place_m: the truth. By FPGA 1's and FPGA 2's odometer, shape
+    (n, 2): the train's speed and its interval, its way since the start and the interval of that,
+    its standstill; and of each axle its verdict, shape (n, 2, axles), see odometer.host.Verdict.
+    word_m: the position word's place, NaN where none was believed. status, age, health: of the
+    delivery it came with. image: what both CPUs commanded.
     """
 
     times_s: Floats
     speed_kmh: Floats
     place_m: Floats
+    measured_kmh: Floats
     low_kmh: Floats
     high_kmh: Floats
     way_m: Floats
+    way_low_m: Floats
+    way_high_m: Floats
     stands: NDArray[np.bool_]
+    verdicts: NDArray[np.int64]
     word_m: Floats
     status: NDArray[np.int64]
     age: NDArray[np.int64]
@@ -104,7 +110,7 @@ def _cycles(
     """Both replicas through the run."""
     unit, calls = scenario.config, scenario.route.calls
     cycle_s = unit.vital.cycle_s
-    times: Floats = np.arange(1, scenario.cycles) * float(cycle_s)
+    times = np.arange(1, scenario.cycles, dtype=np.float64) * float(cycle_s)
     there = np.searchsorted(position.times_s, times, side="right") - 1
     words = position.told.values["position"]
     word = np.where(there >= 0, words.filled(np.nan)[np.maximum(there, 0)], np.nan)
@@ -115,7 +121,7 @@ def _cycles(
     for n, (at, place) in enumerate(zip(times.tolist(), word.tolist(), strict=True)):
         known = None if np.isnan(place) else place
         views: list[View | None] = [
-            replica.update(at, told[n][0].standstill, known) if lives[n] else None
+            replica.update(at, told[n].standstill, known) if lives[n] else None
             for replica, told, lives in zip(replicas, trains, alive, strict=True)
         ]
         image[n] = decide(views)
@@ -127,30 +133,29 @@ def _cycles(
         times_s=times,
         speed_kmh=profile.speed_kmh(times),
         place_m=scenario.route.start_m + profile.position_m(times),
-        low_kmh=_columns(trains, lambda speed, _: speed.low_kmh),
-        high_kmh=_columns(trains, lambda speed, _: speed.high_kmh),
-        way_m=_columns(trains, lambda _, way: way),
-        stands=_columns(trains, lambda speed, _: speed.standstill).astype(np.bool_),
+        measured_kmh=_columns(trains, "speed_kmh"),
+        low_kmh=_columns(trains, "speed_low_kmh"),
+        high_kmh=_columns(trains, "speed_high_kmh"),
+        way_m=_columns(trains, "distance_m"),
+        way_low_m=_columns(trains, "distance_low_m"),
+        way_high_m=_columns(trains, "distance_high_m"),
+        stands=_columns(trains, "standstill"),
+        verdicts=_columns(trains, "verdicts"),
         word_m=word,
         image=image,
         **{name: column.astype(np.int64) for name, column in fields.items()},
     )
 
 
-def _trains(scenario: Scenario, told: Odometer) -> list[tuple[TrainSpeed, float]]:
-    """What a CPU makes of its odometer's snapshots: the train's speed, and its way."""
+def _trains(scenario: Scenario, told: Odometer) -> list[TrainState]:
+    """What a CPU makes of its odometer's snapshots."""
     unit = scenario.config
-    train = Train(unit.odometer, unit.assumptions)
-    return [
-        (train.update(shots), distance_m(shots[0].position, unit.odometer)) for shots in told.shots
-    ]
+    train = Train(unit.odometer, unit.assumptions, unit.wheels, unit.rolling)
+    return [train.update(shots) for shots in told.shots]
 
 
-def _columns(
-    trains: Sequence[Sequence[tuple[TrainSpeed, float]]],
-    of: Callable[[TrainSpeed, float], float],
-) -> Floats:
-    return np.array([[of(*each) for each in told] for told in trains]).T
+def _columns(trains: Sequence[Sequence[TrainState]], name: str) -> NDArray[Any]:
+    return np.stack([[getattr(state, name) for state in told] for told in trains], axis=1)
 
 
 def _alive(scenario: Scenario, cpu: int) -> NDArray[np.bool_]:

@@ -96,7 +96,7 @@ def link(scenario: Scenario, profile: Profile, engine: str = "leap") -> Link:
     unit = scenario.config
     config, real = unit.link, rate(scenario, 1)
     cycles = int(scenario.seconds / config.cycle_s * real) + LINK_LEAD
-    asked_s: NDArray[np.float64] = np.arange(cycles) * float(config.cycle_s / real)
+    asked_s = np.arange(cycles, dtype=np.float64) * float(config.cycle_s / real)
     words = unit.layout.words(
         {
             "position": scenario.route.start_m + profile.position_m(asked_s),
