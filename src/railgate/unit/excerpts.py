@@ -11,11 +11,11 @@ from railgate.unit.waves import Span
 __all__ = ["Excerpts", "excerpts"]
 
 BEFORE_S, AFTER_S = Fraction("0.06"), Fraction("0.1")
-"""About an event: a system cycle before it, and two after it."""
+"""About an event: the system cycle before it, and the two after it."""
 LONGEST_S = 2
 """From an excerpt's begin to its last event."""
 APART_S = Fraction(1, 1_000_000)
-"""Between two excerpts: what makes their waves begins each one some ticks early."""
+"""Between two excerpts: the engines begin each one a few ticks early."""
 TOTAL_S = 60
 """Of all excerpts: a run of nothing but events would be written down as a whole."""
 
@@ -39,21 +39,20 @@ def excerpts(times_s: Sequence[float], end_s: Fraction) -> Excerpts:
     spans: list[Span] = []
     of: list[int | None] = []
     total = Fraction(0)
-    for time_s in map(Fraction, times_s):
-        end = min(time_s + AFTER_S, end_s)
-        if spans and time_s <= max(spans[-1][0] + LONGEST_S, spans[-1][1] + APART_S):
-            begin, until = spans[-1]
-            near = time_s - BEFORE_S <= until
-            if near:
-                longer = max(until, end) if time_s <= begin + LONGEST_S else until
-                total += longer - until
-                spans[-1] = begin, longer
+    for time in map(Fraction, times_s):
+        begin, end = max(time - BEFORE_S, Fraction(0)), min(time + AFTER_S, end_s)
+        if spans and begin <= spans[-1][1]:
+            first, last = spans[-1]
+            if time <= first + LONGEST_S:
+                total += max(end - last, 0)
+                spans[-1] = first, max(last, end)
+            if time <= spans[-1][1]:
                 of.append(len(spans) - 1)
                 continue
-        if total >= TOTAL_S:
+            begin = last + APART_S
+        if total >= TOTAL_S or begin >= end:
             of.append(None)
             continue
-        begin = max(time_s - BEFORE_S, spans[-1][1] + APART_S if spans else Fraction(0))
         total += end - begin
         spans.append((begin, end))
         of.append(len(spans) - 1)

@@ -91,7 +91,7 @@ def vital_faults(faults: Sequence[Fault]) -> tuple[VitalFault, ...]:
     return tuple(VitalFault(*fault._told) for fault in faults if fault.part == "vital")
 
 
-def sensors(sensor: Sensor, faults: Sequence[Fault]) -> tuple[Sensor, ...]:
+def sensors(sensor: Sensor, faults: Sequence[Fault], seed: int) -> tuple[Sensor, ...]:
     """One of each axle, with its faults; its wheel stands, and what is random falls, by itself."""
     found = []
     for axle in range(1, AXLES + 1):
@@ -102,7 +102,7 @@ def sensors(sensor: Sensor, faults: Sequence[Fault]) -> tuple[Sensor, ...]:
             for name in LOST.get(fault.kind, ())
         }
         turned = (sensor.offset + 0.37 * (axle - 1)) % 1
-        found.append(replace(sensor, offset=turned, seed=sensor.seed + axle, **lost))
+        found.append(replace(sensor, offset=turned, seed=AXLES * seed + axle, **lost))
     return tuple(found)
 
 
@@ -117,8 +117,8 @@ def wheel(profile: Profile, axle: int, faults: Sequence[Fault]) -> Profile:
         factor = 0.0 if fault.kind == "locked" else 1 + factors[fault.kind] * part
         start = float(fault.start_s)
         end = profile.duration_s if fault.end_s is None else float(fault.end_s)
-        grid = np.arange(start, min(end + RAMP_S, profile.duration_s), STEP_S)
-        every = np.union1d(times, grid)
+        back = min(end + RAMP_S, profile.duration_s)
+        every = np.union1d(times, np.append(np.arange(start, back, STEP_S), back))
         share = np.interp(every, [start, start + RAMP_S, end, end + RAMP_S], [0, 1, 1, 0])
         speeds = np.interp(every, times, speeds) * (1 + share * (factor - 1))
         times = every

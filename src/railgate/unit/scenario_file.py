@@ -199,7 +199,7 @@ ARRAYS = {"stop": STOP, "fault": FAULT}
 def _read(kind: _Table, given: object, table: str, number: int = 0) -> Any:
     """What a table makes. Raises _MisplacedError."""
     if not isinstance(given, dict):
-        raise _MisplacedError(("", 0, table), f"{table} must be a table, not {given}")
+        raise _MisplacedError((table, 0, ""), f"{table} must be a table, not {given}")
     entries = {}
     for key, value in given.items():
         place = (table, number, key)
@@ -216,13 +216,17 @@ def _read(kind: _Table, given: object, table: str, number: int = 0) -> Any:
     try:
         return kind.make(**entries)
     except ValueError as error:
-        guilty = next((key for key in entries if str(error).startswith(key)), "")
-        raise _MisplacedError((table, number, guilty), str(error)) from error
+        raise _MisplacedError((table, number, _guilty(entries, error)), str(error)) from error
+
+
+def _guilty(entries: Mapping[str, Any], error: ValueError) -> str:
+    """The key that an error begins with, if it does with one."""
+    return next((key for key in entries if str(error).startswith(key)), "")
 
 
 def _array(kind: _Table, given: object, table: str) -> Iterator[Any]:
     if not isinstance(given, list):
-        raise _MisplacedError(("", 0, table), f"{table} must be an array of tables, [[{table}]]")
+        raise _MisplacedError((table, 0, ""), f"{table} must be an array of tables, [[{table}]]")
     for number, each in enumerate(given):
         yield _read(kind, each, table, number)
 
@@ -238,8 +242,9 @@ def _scenario(document: dict[str, Any]) -> Scenario:
     try:
         route = Route(stops=stops, **train)
     except ValueError as error:
-        at = ("stop", max(len(stops) - 1, 0), "") if "stop" in str(error) else ("train", 0, "")
-        raise _MisplacedError(at, str(error)) from error
+        key = _guilty(train, error)
+        place = ("train", 0, key) if key else ("stop", max(len(stops) - 1, 0), "")
+        raise _MisplacedError(place, str(error)) from error
     begun = Scenario(route=route, **entries, **read)
     return replace(begun, faults=_faults(begun, faults))
 
@@ -252,8 +257,8 @@ def _faults(scenario: Scenario, given: tuple[dict[str, Any], ...]) -> tuple[Faul
             found.append(_fault(scenario, dict(each)))
             replace(scenario, faults=tuple(found))
         except ValueError as error:
-            guilty = next((key for key in each if str(error).startswith(key)), "")
-            raise _MisplacedError(("fault", number, guilty), str(error)) from error
+            place = ("fault", number, _guilty(each, error))
+            raise _MisplacedError(place, str(error)) from error
     return tuple(found)
 
 

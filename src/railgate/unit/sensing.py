@@ -60,7 +60,7 @@ def pins(scenario: Scenario, fpga: int, profile: Profile) -> Trace:
     config = scenario.config.odometer
     real = replace(config, clock_hz=int(config.clock_hz * rate(scenario, fpga)))
     signals: dict[str, Waveform] = {}
-    for axle, sensor in enumerate(sensors(scenario.sensor, scenario.faults)):
+    for axle, sensor in enumerate(sensors(scenario.sensor, scenario.faults, scenario.seed)):
         turned = wheel(profile, axle + 1, scenario.faults)
         for name, wave in sensor.drive(turned, real).signals.items():
             signals[f"sensor.{axle}.{name}"] = wave
