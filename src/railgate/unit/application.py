@@ -18,8 +18,10 @@ say so; in the first cycle in which one does not, the command is 0:
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from railgate.bounds import require
 from railgate.unit.route import Call
@@ -67,13 +69,15 @@ class Replica:
             self._still = time_s, position_m
         if not standstill or time_s - self._still[0] < self._rule.still_s:
             return View(standstill, 0)
-        asked = [call for call in self._calls if self._asks(call, time_s, position_m)]
-        return View(True, sum({1 << call.stop.side.value for call in asked}))
+        at = bisect_right(self._calls, time_s, key=attrgetter("arrives_s")) - 1
+        if at < 0 or not self._asks(self._calls[at], time_s, position_m):
+            return View(True, 0)
+        return View(True, 1 << self._calls[at].stop.side.value)
 
     def _asks(self, call: Call, time_s: float, position_m: float) -> bool:
         """The train is at this platform, and the driver asks for its doors."""
         near = abs(position_m - call.stop.at_m) <= self._rule.window_m
-        return near and call.arrives_s <= time_s < call.departs_s - self._rule.closes_s
+        return near and time_s < call.departs_s - self._rule.closes_s
 
 
 def decide(views: Sequence[View | None]) -> int:

@@ -16,6 +16,7 @@ CYCLE = SMALL.cycle_ticks
 MILLI = Fraction(1, 1000)
 
 
+@pytest.mark.shows("DRV-1")
 def test_each_cycle_has_a_frame_of_each_cpu_for_its_fpga_and_time() -> None:
     for fpga in (1, 2):
         found = frames(scenario(), fpga)

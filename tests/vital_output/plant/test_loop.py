@@ -107,6 +107,7 @@ def closed(found: Trace) -> int:
     return int(found["contact"].values[-1])
 
 
+@pytest.mark.shows("DRV-8", "DRV-9", "DRV-10", "DRV-11", "DRV-18")
 def test_the_pair_starts_tests_its_shut_off_paths_drives_and_stops_without_any_alarm() -> None:
     told = scenario(off=OFF)
     found = run(told)
@@ -126,6 +127,7 @@ def test_the_pair_starts_tests_its_shut_off_paths_drives_and_stops_without_any_a
     assert tick(OFF) < contact.ticks[2] < tick(OFF + 2)
 
 
+@pytest.mark.shows("DRV-14")
 def test_the_channels_start_within_the_links_latency_of_each_other() -> None:
     found = ready()[1]
     first = []
@@ -158,6 +160,7 @@ OF_A_FRAME: dict[str, tuple[dict[Cause, int], dict[Cause, int]]] = {
 """What the FPGA that the frame comes to tells of it, and what the other."""
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize("cpu", [1, 2])
 @pytest.mark.parametrize("kind", OF_A_FRAME)
 def test_one_bad_frame_is_told_by_its_cause_and_the_contact_stays_closed(
@@ -203,6 +206,7 @@ OPENS: dict[str, tuple[set[Cause], set[Cause]]] = {
 """By the fault: what FPGA 1 and what FPGA 2 tells of it."""
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize("text", OPENS)
 def test_a_lasting_fault_opens_the_contact_within_the_reaction_time(text: str) -> None:
     found = run(scenario(f"{text}@{FAULT_MS}ms"))
@@ -228,6 +232,7 @@ def test_a_stopped_channel_holds_all_its_outputs_and_goes_on(fpga: int) -> None:
     assert found[f"fpga_{fpga}.link_tx"].ticks[-1] > end
 
 
+@pytest.mark.shows("DRV-3")
 @pytest.mark.parametrize("fpga", [1, 2])
 def test_without_time_the_contact_opens_when_holdover_ends(fpga: int) -> None:
     lasts = READY + SMALL.holdover_cycles
@@ -238,6 +243,7 @@ def test_without_time_the_contact_opens_when_holdover_ends(fpga: int) -> None:
     assert set(causes(found, 3 - fpga)) == LOST
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize("fpga", [1, 2])
 def test_after_a_restart_it_is_closed_again_only_after_a_live_0(fpga: int) -> None:
     commands = tuple(
@@ -250,6 +256,7 @@ def test_after_a_restart_it_is_closed_again_only_after_a_live_0(fpga: int) -> No
     assert status(found, fpga, 14).blocked == status(found, 3 - fpga, 14).blocked == 1
 
 
+@pytest.mark.shows("DRV-5")
 def test_after_a_switch_over_it_closes_by_itself() -> None:
     found = run(scenario(f"switch-over@{FAULT_MS}ms"))
     assert found["contact"].values.tolist() == [0, 1, 0, 1]
@@ -258,6 +265,7 @@ def test_after_a_switch_over_it_closes_by_itself() -> None:
         assert status(found, fpga).start == 2
 
 
+@pytest.mark.shows("DRV-11", "DRV-12")
 @pytest.mark.parametrize("text", ["rogue-1", "rogue-2", "contact-stuck", "welded"])
 def test_what_the_command_off_must_find(text: str) -> None:
     """While the contact has to be closed none of these can be seen."""
@@ -269,6 +277,7 @@ def test_what_the_command_off_must_find(text: str) -> None:
     assert found["contact"].values.tolist() == ([0, 1] if text == "welded" else [0, 1, 0])
 
 
+@pytest.mark.shows("DRV-18")
 def test_a_test_on_demand_waits_for_the_command_off_and_finds_the_rogue_train() -> None:
     found = run(scenario(f"test-fails@{FAULT_MS}ms", off=OFF))
     assert status(found, 1, OFF).test_phase is TestPhase.REQUESTED
@@ -277,6 +286,7 @@ def test_a_test_on_demand_waits_for_the_command_off_and_finds_the_rogue_train() 
     assert closed(found) == 0
 
 
+@pytest.mark.shows("DRV-18")
 @pytest.mark.parametrize("text", ["test-fails@0s", "contact-stuck@3ms"])
 def test_an_output_that_fails_its_test_at_start_never_drives(text: str) -> None:
     found = from_start(scenario(text, cycles=READY))
@@ -287,6 +297,7 @@ def test_an_output_that_fails_its_test_at_start_never_drives(text: str) -> None:
         assert not after.any()
 
 
+@pytest.mark.shows("DRV-17")
 def test_with_a_clock_off_tolerance_it_never_closes() -> None:
     found = from_start(scenario(cycles=READY, ppm_1=Fraction(1000)))
     assert found["contact"].values.tolist() == [0]

@@ -80,6 +80,7 @@ NONE = Waveform.of([0], [0], SMALL.outputs)
 EVER = Waveform.of([0], [3], SMALL.outputs)
 
 
+@pytest.mark.shows("DRV-13")
 def test_both_trains_close_the_contact_and_the_end_of_one_opens_it() -> None:
     """A pulse of tick k is new behind the flip-flops in k + 2; the second rise makes it alive."""
     found = closed(pulses(10, 210), pulses(13, 810), 1000)
@@ -94,6 +95,7 @@ def test_each_output_has_a_relay_of_its_own() -> None:
     assert closed(pulses(10, 900, output=1), pulses(13, 900, output=0), 900) == []
 
 
+@pytest.mark.shows("DRV-13")
 @pytest.mark.parametrize(
     ("one", "other"),
     [
@@ -111,6 +113,7 @@ def test_a_level_or_another_frequency_never_closes_it(one: Waveform, other: Wave
     assert closed(other, one, 900) == []
 
 
+@pytest.mark.shows("DRV-13")
 @pytest.mark.parametrize("period", [18, 19, 21, 22])
 def test_a_period_within_the_tolerance_closes_it(period: int) -> None:
     assert len(closed(pulses(10, 900, period), pulses(10, 900), 900)) == 1
@@ -128,6 +131,7 @@ def test_a_shorter_break_than_the_release_leaves_it_closed() -> None:
     assert [value for _, value in closed(again(longest), pulses(10, 900), 880)] == [1, 0, 1]
 
 
+@pytest.mark.shows("DRV-13")
 def test_a_train_that_ends_before_the_pick_up_closes_nothing() -> None:
     assert closed(pulses(10, 10 + 5 * PERIOD), pulses(10, 900), 900) == []
 
@@ -151,6 +155,7 @@ def test_without_current_in_the_coil_it_is_open() -> None:
     ]
 
 
+@pytest.mark.shows("DRV-13")
 def test_a_rogue_train_counts_as_the_fpgas_and_needs_the_other() -> None:
     assert closed(NONE, NONE, 800, rogue_1=EVER) == []
     assert closed(NONE, pulses(10, 900), 800, rogue_1=EVER) == [(133, 1)]

@@ -11,16 +11,14 @@ import numpy as np
 
 from railgate.bounds import require
 from railgate.vital_output.host import encoded
-from railgate.vital_output.plant.edges import Edges, femtoseconds
+from railgate.vital_output.plant.edges import Edges, femtoseconds, multiples
 from railgate.vital_output.spec import Config
 from railgate.waves import Waveform
 
 __all__ = ["Command", "Cpus", "Frame", "stream"]
 
 PAYLOAD_BITS = 10
-VALID = np.uint64(1 << PAYLOAD_BITS)
-MARKS = np.array([1 << 8, 1 << 9, 1 << PAYLOAD_BITS], np.uint64)
-"""Of a frame's first and last byte, and of what comes after it: no byte."""
+FIRST, LAST = np.uint64(1 << 8), np.uint64(1 << 9)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,16 +95,17 @@ class Cpus:
         jitter = random.integers(0, 1 + femtoseconds(self.jitter_s), (2, cycles)).tolist()
         sent: tuple[list[Frame], list[Frame]] = ([], [])
         begins = [command.start_s / config.cycle_s for command in commands]
+        due = [
+            multiples(config.cycle_s, phase + skew, cycles) for skew in (Fraction(0), self.skew_s)
+        ]
         for cycle in range(self.first_cycle, cycles):
-            begin = cycle * config.cycle_s
             at = bisect_right(begins, cycle)
             command = commands[at - 1] if at else NOTHING
-            for board, skew in enumerate((Fraction(0), self.skew_s)):
-                due = max(femtoseconds(begin + phase + skew), 0)
+            for board in range(2):
                 sent[board].append(
                     Frame(
                         cycle=cycle,
-                        sent=due + jitter[board][cycle],
+                        sent=max(due[board][cycle], 0) + jitter[board][cycle],
                         board=board,
                         time=first_index + cycle,
                         sequence=self.first_sequence + cycle - self.first_cycle,
@@ -124,19 +123,27 @@ def stream(config: Config, edges: Edges, frames: Sequence[Frame], end: int) -> d
     while the channel still checks the frame before waits for it.
     """
     ordered = sorted((each for each in frames if each.sent < end), key=lambda each: each.sent)
-    due = edges.first(np.array([frame.sent for frame in ordered], np.int64)).tolist()
-    ticks, values, free = [np.zeros(1, np.int64)], [np.zeros(1, np.uint64)], 0
-    for tick, data in zip(due, _sent(config, ordered), strict=True):
-        first = max(tick, free)
-        free = first + len(data) - 1 + config.check_ticks
-        ticks.append(np.arange(first, first + len(data) + 1))
-        values.append(np.frombuffer(data + b"\0", np.uint8) | VALID)
-        values[-1][[0, -2, -1]] ^= MARKS
-    at, told = np.concatenate(ticks), np.concatenate(values)
-    payload, valid = told & np.uint64((1 << PAYLOAD_BITS) - 1), told >> np.uint64(PAYLOAD_BITS)
+    sent = _sent(config, ordered)
+    sizes = np.array([len(data) for data in sent], np.int64)
+    first, free = edges.first([frame.sent for frame in ordered]).tolist(), 0
+    for n, size in enumerate(sizes.tolist()):
+        first[n] = max(first[n], free)
+        free = first[n] + size - 1 + config.check_ticks
+    # Behind each frame stands a byte that is none.
+    stops = np.cumsum(sizes + 1) - 1
+    starts = stops - sizes
+    told = np.frombuffer(b"\0".join([*sent, b""]), np.uint8).astype(np.uint64)
+    told[starts] |= FIRST
+    told[stops - 1] |= LAST
+    valid = np.ones(told.size, np.uint64)
+    valid[stops] = 0
+    at = np.repeat(np.array(first, np.int64) - starts, sizes + 1) + np.arange(told.size)
     return {
-        "command.payload": edges.wave(at, payload, PAYLOAD_BITS, end),
-        "command.valid": edges.wave(at, valid, 1, end),
+        name: edges.wave(np.append(0, at), np.append(np.uint64(0), values), width, end)
+        for name, values, width in (
+            ("command.payload", told, PAYLOAD_BITS),
+            ("command.valid", valid, 1),
+        )
     }
 
 

@@ -14,7 +14,7 @@ from railgate.engines import Clock
 from railgate.waves import Waveform
 from railgate.waves.waveform import Ticks
 
-__all__ = ["FEMTOSECOND", "MICROSECOND", "Edges", "femtoseconds"]
+__all__ = ["FEMTOSECOND", "MICROSECOND", "Edges", "femtoseconds", "multiples"]
 
 FEMTOSECOND = Fraction(1, 10**15)
 """Seconds."""
@@ -22,10 +22,20 @@ FEMTOSECOND = Fraction(1, 10**15)
 MICROSECOND = 10**9
 """Femtoseconds."""
 
+LARGEST = (1 << 63) - 1
+
 
 def femtoseconds(seconds: Fraction) -> int:
     """The first whole femtosecond not before this time."""
     return ceil(seconds / FEMTOSECOND)
+
+
+def multiples(step_s: Fraction, offset_s: Fraction, count: int) -> list[int]:
+    """The first whole femtosecond not before offset + n · step, for n = 0, 1, …, count - 1."""
+    step, offset = step_s / FEMTOSECOND, offset_s / FEMTOSECOND
+    unit = lcm(step.denominator, offset.denominator)
+    up, first = int(step * unit), int(offset * unit)
+    return [-(-(first + n * up) // unit) for n in range(count)]
 
 
 @dataclass(frozen=True)
@@ -49,15 +59,20 @@ class Edges:
         """The femtosecond with which each of these ticks begins."""
         first, step, unit = self._scale
         n = np.asarray(ticks, dtype=np.int64)
-        exact = -(-(first + (n.astype(object) - 1) * step) // unit)
-        begun: Ticks = np.where(n > 0, exact, 0).astype(np.int64)
+        whole, rest = divmod(step, unit)
+        fits = int(n.max(initial=0)) * rest + first < LARGEST
+        m = n - 1 if fits else n.astype(object) - 1
+        begun: Ticks = np.where(n > 0, m * whole - -(first + m * rest) // unit, 0).astype(np.int64)
         return begun
 
     def during(self, times: ArrayLike) -> Ticks:
         """The tick in which each of these femtoseconds lies."""
         first, step, unit = self._scale
-        exact = np.asarray(times, dtype=np.int64).astype(object) * unit
-        ticks: Ticks = np.maximum((exact - first) // step + 1, 0).astype(np.int64)
+        k = np.asarray(times, dtype=np.int64)
+        edge = np.floor((k - first / unit) / (step / unit)).astype(np.int64)  # or one beside it
+        ticks: Ticks = np.maximum(edge, 0)
+        for _ in range(2):
+            ticks = ticks + (self.begin(ticks + 1) <= k)
         return ticks
 
     def first(self, times: ArrayLike) -> Ticks:

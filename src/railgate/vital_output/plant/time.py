@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil
 
 import numpy as np
 
-from railgate.vital_output.plant.edges import FEMTOSECOND, Edges
+from railgate.vital_output.plant.edges import Edges, multiples
 from railgate.vital_output.spec import Config
 from railgate.waves import Waveform
 
@@ -29,8 +28,8 @@ class Update:
 
 def updates(config: Config, cycles: int, every: int) -> list[Update]:
     """One in the middle of each `every`-th of so many cycles, from the first on."""
-    half = config.cycle_s / FEMTOSECOND / 2  # an exact number of femtoseconds, not always whole
-    return [Update(cycle=n, due=ceil((2 * n + 1) * half)) for n in range(0, cycles, every)]
+    due = multiples(config.cycle_s, config.cycle_s / 2, cycles)
+    return [Update(cycle=n, due=due[n]) for n in range(0, cycles, every)]
 
 
 def port(
