@@ -39,10 +39,12 @@ lint: setup
 bench: setup
 	$(BIN)/python -m bench
 
-# The slowest evidence: long random comparisons that `test` leaves out, and all proofs.
-evidence: setup
+# All evidence: the tests, long random comparisons that `test` leaves out, and all proofs; it fails
+# where a requirement is not shown by them.
+evidence: test
 	$(BIN)/pytest -m slow
 	$(BIN)/railgate prove --mutants
+	$(BIN)/railgate evidence --strict
 
 lock: setup
 	$(BIN)/pip install --quiet uv==0.13.9

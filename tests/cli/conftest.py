@@ -8,8 +8,9 @@ from railgate.cli import main
 
 
 @pytest.fixture
-def railgate(monkeypatch, capsys):
+def railgate(monkeypatch, capsys, tmp_path):
     """Run the command line: (exit code, standard output, standard error)."""
+    monkeypatch.chdir(tmp_path)  # what commands keep of their results is not the checkout's
 
     def run(*arguments: str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["railgate", *arguments])

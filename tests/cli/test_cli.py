@@ -11,7 +11,7 @@ import pytest
 from typer.models import OptionInfo
 
 from proving.counting import NeverAbove, claim
-from railgate.cli import odometer, position_link, proofs, residual, vital_output
+from railgate.cli import evidence, odometer, position_link, proofs, residual, vital_output
 from railgate.odometer.spec import Flag
 from railgate.position_link.plant import FAULTS
 from railgate.position_link.spec import Cause
@@ -151,6 +151,7 @@ COMMANDS = {
     ("simulate", "vital"): vital_output.simulate_vital,
     ("residual",): residual.residual_,
     ("prove",): proofs.prove_,
+    ("evidence",): evidence.evidence_,
 }
 ELSEWHERE = {("simulate", "odometer"): ("measure",), ("decode",): ("simulate", "link")}
 """Where the options that a command shares with another are told."""

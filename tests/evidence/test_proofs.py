@@ -26,6 +26,7 @@ def test_every_mutant_has_another_netlist(claim: Claim) -> None:
     assert len(set(texts)) == len(texts)
 
 
+@pytest.mark.shows("SYS-4")
 def test_names_are_unique_and_each_claim_shows_a_requirement() -> None:
     assert len(set(NAMES)) == len(NAMES)
     assert all(claim.requirements and claim.claim.endswith(".") for claim in ALL)

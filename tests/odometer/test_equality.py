@@ -17,6 +17,8 @@ from railgate.odometer.measure import stimulus
 from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform, read
 
+pytestmark = pytest.mark.shows("SYS-2")
+
 CAPTURES = sorted((Path(__file__).parents[1] / "data" / "sigrok").glob("*.sr"))
 AXES = {"X": ["XA", "XB"], "Y": ["YA", "YB"]}
 EVERY = Fraction(1, 50)

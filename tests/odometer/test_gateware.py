@@ -100,6 +100,7 @@ gaps = st.lists(st.integers(1, 40), min_size=1, max_size=60)
 reads = st.lists(st.integers(LATENCY, 120), min_size=1, max_size=8)
 
 
+@pytest.mark.shows("ODO-2")
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.integers(LATENCY, 300), min_size=2, max_size=12), st.integers(4, 20))
 def test_successive_periods_add_up_to_exactly_the_elapsed_ticks(periods, start):
@@ -111,6 +112,7 @@ def test_successive_periods_add_up_to_exactly_the_elapsed_ticks(periods, start):
     assert sum(one["period"] for one in seen) == rises[-1] - rises[0]
 
 
+@pytest.mark.shows("ODO-6")
 @settings(max_examples=25, deadline=None)
 @given(gaps, reads)
 def test_no_pulse_is_lost_or_counted_twice_for_any_alignment_of_edges_and_reads(gaps, reads):
@@ -124,12 +126,14 @@ def test_no_pulse_is_lost_or_counted_twice_for_any_alignment_of_edges_and_reads(
         assert one["a_rising"] - before["a_rising"] == one["pulses"]
 
 
+@pytest.mark.shows("ODO-6")
 def test_a_read_in_the_very_tick_of_an_edge_counts_it_once():
     for strobe in range(48, 53):
         seen = snapshots(run(config(), 120, strobe=(strobe, 80), a=[50, 60]))
         assert [one["pulses"] for one in seen] == ([1, 0] if strobe >= 50 else [0, 1])
 
 
+@pytest.mark.shows("ODO-2", "ODO-4", "ODO-7", "ODO-10")
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.integers(1, 60), min_size=1, max_size=60), reads)
 def test_every_field_belongs_to_the_tick_of_the_strobe(gaps, reads):
@@ -171,6 +175,7 @@ def test_every_field_belongs_to_the_tick_of_the_strobe(gaps, reads):
         boundary = rises[-1] if rises else None
 
 
+@pytest.mark.shows("ODO-7")
 def test_all_fields_change_together_and_stay_until_the_next_snapshot():
     a, b = forward(10, 40, 12)
     result = run(config(), 400, strobe=(100, 250), a=a, b=b)
@@ -186,6 +191,7 @@ def test_all_fields_change_together_and_stay_until_the_next_snapshot():
     assert all(wave.values[0] == 0 for wave in result.signals.values())
 
 
+@pytest.mark.shows("ODO-7")
 def test_a_strobe_while_busy_joins_the_gate_under_way():
     a, b = forward(10, 20, 30)
     alone = run(config(), 400, strobe=(100, 100 + LATENCY), a=a, b=b)
@@ -194,6 +200,7 @@ def test_a_strobe_while_busy_joins_the_gate_under_way():
     assert [one["time"] for one in snapshots(joined)] == [100, 100 + LATENCY]
 
 
+@pytest.mark.shows("ODO-6", "ODO-7")
 def test_the_counts_are_cumulative_so_that_a_lost_reply_loses_nothing():
     a, b = forward(10, 20, 12)
     first, last = snapshots(run(config(), 400, strobe=(100, 300), a=a, b=b))
@@ -202,6 +209,7 @@ def test_the_counts_are_cumulative_so_that_a_lost_reply_loses_nothing():
     assert last["position"] == 4 * 12
 
 
+@pytest.mark.shows("ODO-9")
 @pytest.mark.parametrize("filter_ticks", [0, 1, 3])
 def test_the_filter_rejects_what_is_too_short_and_counts_it(filter_ticks):
     filtered = config(filter_ticks=filter_ticks)
@@ -214,6 +222,7 @@ def test_the_filter_rejects_what_is_too_short_and_counts_it(filter_ticks):
         assert bool(one["flags"] & Flag.GLITCH) == (not passes)
 
 
+@pytest.mark.shows("ODO-9")
 def test_the_filter_leaves_period_and_phase_unchanged():
     for filter_ticks in (0, 5):
         filtered = config(filter_ticks=filter_ticks)
@@ -221,6 +230,7 @@ def test_the_filter_leaves_period_and_phase_unchanged():
         assert (one["period"], one["phase"], one["since_rise"]) == (45, 11, 200 - 65)
 
 
+@pytest.mark.shows("ODO-5", "ODO-6")
 def test_forward_and_reverse_are_told_by_phase_and_steps():
     leads, lags = forward(20, 40, 4)
     ahead = snapshot(config(), 300, strobe=(250,), a=leads, b=lags)
@@ -232,6 +242,7 @@ def test_forward_and_reverse_are_told_by_phase_and_steps():
     assert (ahead["phase"], back["phase"]) == (10, 30)
 
 
+@pytest.mark.shows("ODO-4")
 def test_the_phase_ends_at_the_first_later_rise_of_b_in_the_period():
     a = [20, 40, 100]
     for b, phase in (
@@ -244,6 +255,7 @@ def test_the_phase_ends_at_the_first_later_rise_of_b_in_the_period():
         assert (one["period"], one["phase"]) == (80, phase)
 
 
+@pytest.mark.shows("ODO-5", "ODO-6", "ODO-10")
 def test_a_reversal_yields_no_phantom_period_and_voids_the_window():
     # Forward over three rises of a, then back over the last and, much later, forward again.
     a = [20, 40, 60, 80, 100, 130, 400]
@@ -262,6 +274,7 @@ def test_a_reversal_yields_no_phantom_period_and_voids_the_window():
     assert after["flags"] == flags(Flag.REVERSAL)
 
 
+@pytest.mark.shows("ODO-12")
 def test_both_edges_in_one_tick_are_illegal_and_leave_the_position():
     one = snapshot(config(), 200, strobe=(150,), a=[20, 40, 60], b=[30, 50, 60])
     assert one["flags"] == flags(Flag.ILLEGAL, Flag.WINDOW_VOID)
@@ -271,12 +284,14 @@ def test_both_edges_in_one_tick_are_illegal_and_leave_the_position():
     assert one["window_seated"] == 1
 
 
+@pytest.mark.shows("ODO-5")
 def test_a_step_after_an_illegal_transition_is_no_reversal():
     one = snapshot(config(), 200, strobe=(150,), a=[20, 60], b=[30, 60, 80])
     assert (one["direction"], one["direction_changes"]) == (Direction.REVERSE, 0)
     assert one["flags"] & Flag.REVERSAL == 0
 
 
+@pytest.mark.shows("ODO-10")
 def test_windows_share_their_boundary_edge():
     a, b = forward(20, 37, 12)
     seen = snapshots(run(config(), 500, strobe=(100, 220, 400), a=a, b=b))
@@ -285,6 +300,7 @@ def test_windows_share_their_boundary_edge():
     assert sum(one["window_ticks"] for one in seen) == rises[-1] - rises[0]
 
 
+@pytest.mark.shows("ODO-10")
 def test_an_edge_beside_the_strobe_belongs_to_one_window_only():
     a, b = forward(20, 40, 8)
     for strobe in range(177, 184):  # around the rise in tick 180
@@ -297,6 +313,7 @@ def test_an_edge_beside_the_strobe_belongs_to_one_window_only():
             assert (one["sum_a"], one["sum_b"]) == (sum(times), sum(accumulate(times)))
 
 
+@pytest.mark.shows("ODO-10")
 def test_a_window_without_an_edge_keeps_its_boundary():
     a, b = forward(20, 80, 2)
     seen = snapshots(run(config(), 300, strobe=(40, 80, 250), a=a, b=b))
@@ -304,6 +321,7 @@ def test_a_window_without_an_edge_keeps_its_boundary():
     assert seen[-1]["window_ticks"] == 80
 
 
+@pytest.mark.shows("ODO-10")
 def test_a_window_of_too_many_periods_is_voided_and_seated_anew():
     short = config(window_pulses=3)
     a, b = forward(20, 40, 6)
@@ -315,6 +333,7 @@ def test_a_window_of_too_many_periods_is_voided_and_seated_anew():
     assert over["flags"] == flags(Flag.WINDOW_OVERFLOW, Flag.WINDOW_VOID)
 
 
+@pytest.mark.shows("ODO-10")
 def test_a_window_longer_than_its_counter_is_voided_in_that_very_tick():
     small = config()
     full = 20 + small.period_max
@@ -325,6 +344,7 @@ def test_a_window_longer_than_its_counter_is_voided_in_that_very_tick():
     assert at["flags"] == flags(Flag.SATURATED, Flag.WINDOW_VOID)
 
 
+@pytest.mark.shows("ODO-2", "ODO-11", "ODO-12")
 def test_a_period_saturates_and_never_wraps():
     small = config()
     top = small.period_max
@@ -340,6 +360,7 @@ def test_a_period_saturates_and_never_wraps():
     assert saturated == [True, False]  # told once
 
 
+@pytest.mark.shows("ODO-12")
 def test_the_pulse_count_stays_at_its_greatest_value():
     small = config(count_bits=8)
     engine, start = opened(small)
@@ -356,6 +377,7 @@ def test_the_pulse_count_stays_at_its_greatest_value():
     assert (one["pulses"], one["flags"] & Flag.SATURATED) == (255, Flag.SATURATED)
 
 
+@pytest.mark.shows("ODO-12")
 @pytest.mark.parametrize("gone", ["a", "b"])
 def test_a_missing_channel_is_told_after_so_many_pulses_of_the_other(gone):
     small = config(missing_pulses=5)
@@ -367,6 +389,7 @@ def test_a_missing_channel_is_told_after_so_many_pulses_of_the_other(gone):
     assert seen[1]["flags"] & (Flag.A_MISSING | Flag.B_MISSING) == flag
 
 
+@pytest.mark.shows("ODO-12")
 def test_one_lost_pulse_at_speed_is_a_mismatch():
     a, b = forward(20, 40, 8)
     assert snapshot(config(), 500, strobe=(400,), a=a, b=b)["flags"] == 0
@@ -375,6 +398,7 @@ def test_one_lost_pulse_at_speed_is_a_mismatch():
     assert not lost["flags"] & (Flag.A_MISSING | Flag.B_MISSING)
 
 
+@pytest.mark.shows("ODO-12")
 def test_rocking_at_standstill_is_no_mismatch():
     small = config(missing_pulses=5)
     slow = small.watch_ticks + 1
@@ -384,6 +408,7 @@ def test_rocking_at_standstill_is_no_mismatch():
     assert not one["flags"] & (Flag.MISMATCH | Flag.B_MISSING)
 
 
+@pytest.mark.shows("ODO-12")
 def test_a_pause_disarms_the_watch_over_both_channels():
     small = config()
     a, b = [20, 40, 60, 80, 100, 120], [30, 50, 70, 90, 110, 115]
@@ -395,6 +420,7 @@ def test_a_pause_disarms_the_watch_over_both_channels():
         assert bool(one["flags"] & Flag.MISMATCH) == (pause == small.watch_ticks)
 
 
+@pytest.mark.shows("ODO-5", "ODO-12")
 def test_a_phase_fault_is_told_only_after_so_many_bad_periods():
     small = config(phase_fault_periods=3)
     rises = [20 + 40 * i for i in range(9)]
@@ -412,6 +438,7 @@ def test_a_phase_fault_is_told_only_after_so_many_bad_periods():
     assert told(mended, rises[6])
 
 
+@pytest.mark.shows("ODO-5")
 def test_the_phase_is_not_judged_below_the_minimum_speed():
     small = config(phase_fault_periods=1)
     for T in (small.watch_ticks, small.watch_ticks + 1):
@@ -420,6 +447,7 @@ def test_the_phase_is_not_judged_below_the_minimum_speed():
         assert bool(one["flags"] & Flag.PHASE_FAULT) == (small.watch_ticks >= T)
 
 
+@pytest.mark.shows("ODO-12")
 def test_overspeed_is_a_period_below_the_shortest():
     small = config()
     for T in (small.period_min_ticks - 1, small.period_min_ticks):
@@ -427,6 +455,7 @@ def test_overspeed_is_a_period_below_the_shortest():
         assert bool(one["flags"] & Flag.OVERSPEED) == (small.period_min_ticks > T)
 
 
+@pytest.mark.shows("ODO-12")
 def test_rocking_over_an_edge_of_a_is_no_overspeed():
     rocking = snapshot(config(), 200, strobe=(100,), a=[20, 25, 28, 33, 36, 41], b=[])
     assert rocking["a_rising"] == 3
@@ -444,6 +473,7 @@ def stamps(result):
     ]
 
 
+@pytest.mark.shows("ODO-13")
 @pytest.mark.parametrize("depth", [4, 5])
 def test_each_edge_is_stamped_in_order_and_offered_after_the_latency(depth):
     stamped = config(stamp_depth=depth)
@@ -457,6 +487,7 @@ def test_each_edge_is_stamped_in_order_and_offered_after_the_latency(depth):
     assert not result["sensor.0.stamps.payload"].at(idle).any()
 
 
+@pytest.mark.shows("ODO-13")
 @pytest.mark.parametrize("depth", [1, 2, 3])
 def test_as_many_edges_in_successive_ticks_as_the_fifo_holds_are_all_stamped(depth):
     a = list(range(20, 20 + depth))
@@ -468,6 +499,7 @@ def test_as_many_edges_in_successive_ticks_as_the_fifo_holds_are_all_stamped(dep
     assert one["flags"] & Flag.STAMP_OVERFLOW == 0
 
 
+@pytest.mark.shows("ODO-13")
 def test_a_full_fifo_drops_the_newest_tells_it_and_marks_the_next_one():
     for depth in (1, 2, 3):
         stamped = config(stamp_depth=depth)
@@ -486,6 +518,7 @@ def test_a_full_fifo_drops_the_newest_tells_it_and_marks_the_next_one():
         assert seen == [Flag.STAMP_OVERFLOW] * 2
 
 
+@pytest.mark.shows("ODO-13")
 def test_an_entry_taken_makes_room_from_the_next_tick_on():
     stamped = config(stamp_depth=1)
     for edge in (40, 41):  # the first entry is taken in tick 40
@@ -500,6 +533,7 @@ def test_an_entry_taken_makes_room_from_the_next_tick_on():
         assert bool(one["flags"] & Flag.STAMP_OVERFLOW) == (edge == 40)
 
 
+@pytest.mark.shows("ODO-7")
 def test_all_sensors_are_latched_in_the_same_tick():
     two = config(sensors=2)
     engine, start = opened(two)
@@ -561,6 +595,7 @@ def test_the_registers_of_the_contract_can_be_poked():
         assert one[name] == 100 + i
 
 
+@pytest.mark.shows("ODO-10")
 def test_the_ports_are_those_of_the_contract_and_nothing_multiplies_or_divides():
     full = Config(stamp_depth=16)
     component = Odometer(full)
@@ -579,6 +614,7 @@ def test_the_ports_are_those_of_the_contract_and_nothing_multiplies_or_divides()
     assert not [kind for kind in ("$mul", "$div", "$mod", "$pow") if f"cell {kind}" in cells]
 
 
+@pytest.mark.shows("ODO-2", "ODO-4")
 def test_the_default_configuration_measures_without_a_narrow_counter():
     """200 km/h at 16 MHz for three periods of two sensors, every width as built."""
     built = Config()

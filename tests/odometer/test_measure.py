@@ -47,6 +47,7 @@ def test_the_last_window_ends_with_the_capture() -> None:
     assert measured.duration_s == 5.0
 
 
+@pytest.mark.shows("ODO-6")
 def test_counts_are_those_of_the_raw_channels() -> None:
     pins = mouse()
     measured = measure(pins, CONFIG)
@@ -54,6 +55,7 @@ def test_counts_are_those_of_the_raw_channels() -> None:
     assert measured.b_rising == pins["b"].rising().size
 
 
+@pytest.mark.shows("SYS-2")
 @pytest.mark.parametrize("estimator", ["pi", "feasible"])
 def test_every_engine_gives_the_same_result_to_the_bit(estimator: str) -> None:
     pins = part(mouse(), (Fraction(332, 1000), Fraction(352, 1000)))  # its busiest 20 ms
@@ -78,6 +80,7 @@ TICK_ONLY = Assumptions(crystal_ppm=0, jerk_max=0.2)
 """Nothing but the tick, so that no tolerance hides an error."""
 
 
+@pytest.mark.shows("ODO-14")
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("course", [run(160, 160), constant(-90, 2), shuttle(20, 40)])
 def test_the_truth_is_in_every_interval(course: Profile, estimator: str) -> None:
@@ -86,6 +89,7 @@ def test_the_truth_is_in_every_interval(course: Profile, estimator: str) -> None
     assert any(window.speed_kmh is not None for window in measured.windows)
 
 
+@pytest.mark.shows("ODO-14")
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("speed", [50, -50])
 def test_the_truth_is_of_what_each_estimator_speaks_of(speed: float, estimator: str) -> None:
@@ -99,6 +103,7 @@ def test_the_truth_is_of_what_each_estimator_speaks_of(speed: float, estimator: 
         assert any(w.true_speed_kmh != m.true_speed_kmh for w, m in pairs)
 
 
+@pytest.mark.shows("ODO-14")
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("sampled_hz", [1_000_000, 3_000_000, 24_000_000])
 def test_a_capture_coarser_than_the_clock_widens_the_interval(sampled_hz, estimator) -> None:
@@ -110,6 +115,7 @@ def test_a_capture_coarser_than_the_clock_widens_the_interval(sampled_hz, estima
     assert all(w.speed_low_kmh <= speed <= w.speed_high_kmh for w in windows)
 
 
+@pytest.mark.shows("ODO-14")
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_the_truth_is_in_every_interval_with_tooth_error_assumed(estimator: str) -> None:
     sensor = Sensor(tooth_error=0.02, seed=3)
@@ -122,6 +128,7 @@ def test_the_truth_is_in_every_interval_with_tooth_error_assumed(estimator: str)
     assert naive.truth_outside, "an error that is not assumed must show, or the test sees nothing"
 
 
+@pytest.mark.shows("ODO-3")
 @given(offset=st.floats(0, 1), speed=st.floats(20, 215))
 @settings(max_examples=30)
 def test_every_period_lies_in_the_sources_bounds_at_any_alignment(offset, speed) -> None:
@@ -132,6 +139,7 @@ def test_every_period_lies_in_the_sources_bounds_at_any_alignment(offset, speed)
     assert low <= min(speeds) <= max(speeds) <= high
 
 
+@pytest.mark.shows("ODO-4")
 @given(offset=st.floats(0, 1), frequency=st.sampled_from([100, 1000, 2000, 4000, 6000]))
 @settings(max_examples=30)
 def test_every_phase_lies_in_the_sources_table_at_any_alignment(offset, frequency) -> None:
@@ -144,6 +152,7 @@ def test_every_phase_lies_in_the_sources_table_at_any_alignment(offset, frequenc
     assert low <= min(phases) <= max(phases) <= high
 
 
+@pytest.mark.shows("ODO-11")
 def test_a_lost_sensor_neither_stops_the_train_nor_keeps_its_speed() -> None:
     course = constant(100, 4)
     dead = Sensor(a_dead_s=1.0, b_dead_s=1.0)
@@ -157,12 +166,14 @@ def test_a_lost_sensor_neither_stops_the_train_nor_keeps_its_speed() -> None:
     assert all(w.speed_low_kmh <= w.speed_high_kmh for w in windows)
 
 
+@pytest.mark.shows("ODO-12")
 def test_a_dead_channel_is_named() -> None:
     windows = simulate(constant(100, 1), Sensor(b_dead_s=0.5), CONFIG).windows
     assert not any("b_missing" in w.flags for w in windows if w.t_s <= 0.5)
     assert all("b_missing" in w.flags for w in windows if w.t_s > 0.6)
 
 
+@pytest.mark.shows("ODO-5")
 def test_a_reversal_has_no_phantom_speed() -> None:
     measured = simulate(shuttle(10, 20), Sensor(), CONFIG)
     assert measured.position_x4 in (-1, 0, 1)

@@ -28,11 +28,13 @@ def test_steps_follow_the_profile_to_within_one(name: str) -> None:
     assert abs(steps(trace)[-1] - end) <= 1
 
 
+@pytest.mark.shows("ODO-1")
 def test_200_kmh_is_5441_hz() -> None:
     rising = Sensor().drive(constant(200, 2), CONFIG)["a"].rising()
     assert (rising.size - 1) / (rising[-1] - rising[0]) * 16e6 == pytest.approx(5441.2, abs=0.1)
 
 
+@pytest.mark.shows("ODO-1")
 @pytest.mark.parametrize(("speed", "lag"), [(100, 0.25), (-100, 0.75)])
 def test_b_lags_a_by_90_degrees_forward_and_270_in_reverse(speed: float, lag: float) -> None:
     trace = Sensor().drive(constant(speed, 0.1), CONFIG)

@@ -12,15 +12,18 @@ from railgate.odometer.spec import STATE, Assumptions, Config, Flag
 CONFIG = Config()
 
 
+@pytest.mark.shows("ODO-1")
 def test_200_kmh_is_5441_hz_of_16_mhz() -> None:
     assert 16e6 / CONFIG.period_ticks(200) == pytest.approx(5441, abs=0.5)
 
 
+@pytest.mark.shows("ODO-6")
 def test_a_32_bit_count_at_6_khz_overflows_after_715_827_s() -> None:
     width = next(field.width for field in CONFIG.sensor_fields if field.name == "pulses")
     assert (2**width - 1) // 6000 == 715_827
 
 
+@pytest.mark.shows("ODO-10")
 @given(st.integers(1, 5000), st.integers(18, 36))
 def test_the_sums_of_the_longest_window_just_fit(periods: int, period_bits: int) -> None:
     config = Config(window_pulses=periods, period_bits=period_bits)
@@ -38,6 +41,7 @@ def test_fields_have_names_of_their_own_and_the_state_is_among_them() -> None:
     assert CONFIG.sensor_fields[-1].width == max(Flag).bit_length()
 
 
+@pytest.mark.shows("ODO-9")
 @pytest.mark.parametrize(
     ("given", "says"),
     [
@@ -56,6 +60,7 @@ def test_a_configuration_that_cannot_hold_is_refused(given: dict[str, Any], says
         Config(**given)
 
 
+@pytest.mark.shows("ODO-9")
 def test_the_longest_filter_that_spares_a_half_period_is_allowed() -> None:
     assert Config(filter_ticks=1335).input_delay_ticks == 1338
 

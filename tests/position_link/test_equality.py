@@ -19,6 +19,8 @@ from railgate.position_link.plant import Scenario, drive
 from railgate.position_link.spec import EVEN, Cause, Check, Config, Edge, Health, Status
 from railgate.waves import Trace
 
+pytestmark = pytest.mark.shows("SYS-2")
+
 SEEDS = st.integers(0, 1 << 32)
 WIDE_CHECK = Check(width=33, polynomial=0x1_2345_6789, initial=7, final=0x0_FEDC_BA98)
 

@@ -32,10 +32,12 @@ def first(config, *pieces):
     return Cause(one["causes"]), one["word"]
 
 
+@pytest.mark.shows("LNK-4")
 def test_no_answer_is_a_timeout_and_no_word():
     assert first(small()) == (Cause.TIMEOUT, 0xFF)
 
 
+@pytest.mark.shows("LNK-4")
 @pytest.mark.parametrize("from_end", [False, True])
 def test_the_last_tick_of_the_window_is_in_time_and_the_next_is_not(from_end):
     config = small(timeout_from_end=from_end)
@@ -46,6 +48,7 @@ def test_the_last_tick_of_the_window_is_in_time_and_the_next_is_not(from_end):
     assert first(config, answer(config, 0, WORD, last)) == (late, 0xFF)
 
 
+@pytest.mark.shows("LNK-4")
 def test_uef_with_clk_30_is_in_time_and_with_clk_31_is_not():
     config = Config()
     late = Cause.TIMEOUT | Cause.UNREQUESTED
@@ -55,12 +58,14 @@ def test_uef_with_clk_30_is_in_time_and_with_clk_31_is_not():
         assert (one["causes"], one["status"] == Status.FRESH) == (cause, not cause)
 
 
+@pytest.mark.shows("LNK-4")
 def test_before_its_earliest_clk_uef_is_early_up_to_the_tick_in_which_the_window_opens():
     config = small(earliest_clk=3)
     assert first(config, answer(config, 0, WORD, 2, delay=-1)) == (Cause.EARLY, 0xFF)
     assert first(config, answer(config, 0, WORD, 2)) == (NONE, WORD)
 
 
+@pytest.mark.shows("LNK-4")
 def test_early_uef_is_followed_by_no_timeout_and_a_later_answer_is_read_but_not_good():
     config = small(earliest_clk=3)
     early = Piece(uef=((begin(config, 0), begin(config, 0) + 5),))
@@ -68,6 +73,7 @@ def test_early_uef_is_followed_by_no_timeout_and_a_later_answer_is_read_but_not_
     assert first(config, early, answer(config, 0, WORD, 3)) == (Cause.EARLY, 0xFF)
 
 
+@pytest.mark.shows("LNK-4")
 def test_the_window_may_open_with_the_cycle_and_the_tick_before_belongs_to_the_last():
     config = small(earliest_clk=1)
     assert first(config, answer(config, 0, WORD, 0)) == (NONE, WORD)
@@ -77,12 +83,14 @@ def test_the_window_may_open_with_the_cycle_and_the_tick_before_belongs_to_the_l
     assert causes(config, 2, answer(config, 0, WORD, 1), before) == [NONE, stuck]
 
 
+@pytest.mark.shows("LNK-3", "LNK-4")
 @pytest.mark.parametrize(("bits", "cause"), [(7, Cause.SHORT), (8, NONE), (9, Cause.LONG)])
 def test_uef_lasts_exactly_the_word(bits, cause):
     config = small()
     assert first(config, answer(config, 0, WORD, 2, bits)) == (cause, 0xFF if cause else WORD)
 
 
+@pytest.mark.shows("LNK-3")
 def test_a_sample_in_the_tick_of_uefs_rise_counts_and_in_that_of_its_fall_does_not():
     config = small(guard_ticks=0)
     middle = begin(config, 0) + config.fall(2)
@@ -99,6 +107,7 @@ def test_a_sample_in_the_tick_of_uefs_rise_counts_and_in_that_of_its_fall_does_n
     assert read(-1, 11)[0] == Cause.LONG
 
 
+@pytest.mark.shows("LNK-4")
 def test_uef_that_is_still_high_at_the_next_request_is_stuck():
     config = small()
     long = answer(config, 0, WORD, 2, bits=config.cycle_bits)
@@ -109,6 +118,7 @@ def test_uef_that_is_still_high_at_the_next_request_is_stuck():
     assert causes(config, 2, to_start, good) == [Cause.LONG, NONE]
 
 
+@pytest.mark.shows("LNK-4")
 @pytest.mark.parametrize("level", [0, 1])
 def test_an_unplugged_line_is_a_fault_in_every_cycle(level):
     config = small()
@@ -121,6 +131,7 @@ def test_an_unplugged_line_is_a_fault_in_every_cycle(level):
         assert [one["health"] for one in seen] == [Health.START, Health.START, Health.ALARM]
 
 
+@pytest.mark.shows("LNK-4")
 def test_a_second_answer_makes_the_cycle_faulty_in_which_it_is_decided():
     config = small()
     good = answer(config, 0, WORD, 2)
@@ -136,6 +147,7 @@ def test_a_second_answer_makes_the_cycle_faulty_in_which_it_is_decided():
     assert first(config, *within)[0] == Cause.SHORT | Cause.UNREQUESTED
 
 
+@pytest.mark.shows("LNK-4")
 def test_uef_without_a_request_before_it_is_unrequested():
     config = small()
     late = answer(config, 0, WORD, 30)
@@ -143,6 +155,7 @@ def test_uef_without_a_request_before_it_is_unrequested():
     assert causes(config, 2, late, again) == [Cause.TIMEOUT, Cause.UNREQUESTED]
 
 
+@pytest.mark.shows("LNK-7")
 @pytest.mark.parametrize("guard_ticks", [0, 1, 2])
 @pytest.mark.parametrize("rises", [False, True])
 def test_data_that_changes_within_the_guard_around_its_sample_is_unstable(guard_ticks, rises):
@@ -167,6 +180,7 @@ def test_data_that_changes_around_the_bit_too_many_is_not_unstable():
     assert first(config, answer(config, 0, 0, 2, bits=9), change)[0] == Cause.LONG
 
 
+@pytest.mark.shows("LNK-3")
 def test_data_may_do_what_it_wants_while_there_is_no_answer():
     config = small()
     c = begin(config, 0)
@@ -183,6 +197,7 @@ def test_with_rising_edges_it_samples_in_their_tick():
         assert first(config, answer(config, 0, WORD, 2, bits, delay=5))[0] == cause
 
 
+@pytest.mark.shows("LNK-3")
 @pytest.mark.parametrize("filter_ticks", [0, 1, 3])
 def test_a_glitch_as_long_as_the_filter_is_counted_and_one_longer_ends_the_answer(filter_ticks):
     config = small(filter_ticks=filter_ticks, word_bits=8)
@@ -217,6 +232,7 @@ def test_glitches_of_both_inputs_count_and_those_after_the_decision_with_the_nex
     assert counts(*range(q - 8, q + 12, 2)) == [10, 20]
 
 
+@pytest.mark.shows("LNK-3")
 def test_an_answer_counts_from_where_it_is_on_the_line_whatever_the_filter():
     for filter_ticks in (0, 3, 4):
         config = small(filter_ticks=filter_ticks, guard_ticks=0)
@@ -225,6 +241,7 @@ def test_an_answer_counts_from_where_it_is_on_the_line_whatever_the_filter():
         assert first(config, answer(config, 0, WORD, 2, delay=5)) == (NONE, WORD)
 
 
+@pytest.mark.shows("LNK-5")
 def test_the_fault_word_and_where_configured_zero_are_no_words():
     config = small(fault_word=0x3C)
     assert first(config, answer(config, 0, 0x3C, 2)) == (Cause.FAULT_WORD, 0x3C)
@@ -242,6 +259,7 @@ CHECKS = (EVEN, ODD, Check(width=4, polynomial=0b0011, initial=0b1010, final=0b0
 EVEN_POLYNOMIAL = Check(width=3, polynomial=0b010, initial=0b101)
 
 
+@pytest.mark.shows("LNK-7")
 @pytest.mark.parametrize("check", [*CHECKS, EVEN_POLYNOMIAL])
 def test_a_word_whose_check_fails_is_no_word(check):
     config = small(check=check, fault_word=0)
@@ -254,6 +272,7 @@ def test_a_word_whose_check_fails_is_no_word(check):
         assert first(config, answer(config, 0, word ^ 0x80, 2)) == (Cause.CHECK, 0)
 
 
+@pytest.mark.shows("LNK-7")
 def test_a_check_starts_anew_with_every_answer():
     config = small(check=CHECKS[2])
     word = 0x70 | CHECKS[2].of(0x7, 4)

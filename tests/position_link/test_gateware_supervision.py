@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ NO_WORD = 0xFF - 0x40
 NEVER = 63
 
 
+@pytest.mark.shows("LNK-5", "LNK-6")
 def test_a_good_word_after_two_faulty_cycles_never_left():
     assert supervised(small(), "gbbg") == [
         (FRESH, OK, 0, 0),
@@ -45,6 +47,7 @@ def test_a_good_word_after_two_faulty_cycles_never_left():
     ]
 
 
+@pytest.mark.shows("LNK-5")
 def test_three_faulty_cycles_in_a_row_bring_the_fault_word_and_the_first_good_one_ends_it():
     assert supervised(small(), "gbbbbg") == [
         (FRESH, OK, 0, 0),
@@ -56,6 +59,7 @@ def test_three_faulty_cycles_in_a_row_bring_the_fault_word_and_the_first_good_on
     ]
 
 
+@pytest.mark.shows("LNK-5")
 def test_faulty_cycles_that_are_not_in_a_row_do_not_add_up():
     assert [status for status, *_ in supervised(small(), "gbbgbbg")] == [
         *(FRESH, HELD, HELD),
@@ -64,6 +68,7 @@ def test_faulty_cycles_that_are_not_in_a_row_do_not_add_up():
     ]
 
 
+@pytest.mark.shows("LNK-5")
 def test_before_the_first_good_word_there_is_the_fault_word_and_the_alarm_comes_as_ever():
     assert supervised(small(), "bbbbg") == [
         *[(FAULT, START, NO_WORD, NEVER)] * 2,
@@ -72,6 +77,7 @@ def test_before_the_first_good_word_there_is_the_fault_word_and_the_alarm_comes_
     ]
 
 
+@pytest.mark.shows("LNK-5")
 def test_with_one_cycle_tolerated_the_first_faulty_one_is_the_alarm():
     assert supervised(small(tolerated_cycles=1), "gbg") == [
         (FRESH, OK, 0, 0),
@@ -80,6 +86,7 @@ def test_with_one_cycle_tolerated_the_first_faulty_one_is_the_alarm():
     ]
 
 
+@pytest.mark.shows("LNK-5")
 def test_recovery_takes_as_many_good_cycles_in_a_row_as_configured():
     config = small(recovery_cycles=3, tolerated_cycles=2)
     assert supervised(config, "bggbgggbb") == [
@@ -95,6 +102,7 @@ def test_recovery_takes_as_many_good_cycles_in_a_row_as_configured():
     ]
 
 
+@pytest.mark.shows("LNK-6")
 def test_a_held_word_is_that_of_the_last_good_cycle_not_the_one_received():
     config = small(zero_is_fault=True)
     pieces = [answer(config, c, word, 2) for c, word in enumerate((0x12, 0x00, 0xFF, 0x00))]
@@ -102,6 +110,7 @@ def test_a_held_word_is_that_of_the_last_good_cycle_not_the_one_received():
     assert [one["word"] for one in seen] == [0x12, 0x12, 0x12, 0xFF]
 
 
+@pytest.mark.shows("LNK-7")
 def test_age_ticks_are_those_since_uefs_pin_rose_for_the_last_good_cycle():
     config = small(recovery_cycles=2, tolerated_cycles=1)
     pieces = [answer(config, c, 0x42, 2 + c, delay=c) for c in (1, 2)]
@@ -111,6 +120,7 @@ def test_age_ticks_are_those_since_uefs_pin_rose_for_the_last_good_cycle():
     assert ages == [(1 << 32) - 1, p[1] - rise, p[2] - later, p[3] - later, p[4] - later]
 
 
+@pytest.mark.shows("LNK-7")
 def test_a_faulty_answer_does_not_make_the_data_younger():
     config = small()
     pieces = answer(config, 0, 0x42, 2), answer(config, 1, 0x42, 3, bits=9)
@@ -118,6 +128,7 @@ def test_a_faulty_answer_does_not_make_the_data_younger():
     assert second["age_ticks"] - first["age_ticks"] == config.cycle_ticks
 
 
+@pytest.mark.shows("LNK-7")
 def test_ages_stay_at_their_greatest_value():
     config = small(age_bits=2, age_ticks_bits=16)
     assert [age for *_, age in supervised(config, "gbbbbb")] == [0, 1, 2, 3, 3, 3]
@@ -131,6 +142,7 @@ def test_ages_stay_at_their_greatest_value():
         assert one["age_ticks"] == greatest + after
 
 
+@pytest.mark.shows("LNK-7")
 def test_an_answer_older_than_age_ticks_can_tell_is_of_the_greatest_age():
     config = small(age_ticks_bits=16, clock_hz=500_000_000)
     supervision = Design(
@@ -146,6 +158,7 @@ def test_an_answer_older_than_age_ticks_can_tell_is_of_the_greatest_age():
         assert result["age_ticks"].at(6) == age_ticks
 
 
+@pytest.mark.shows("LNK-7")
 def test_each_cause_is_counted_once_a_cycle_and_counts_wrap():
     config = small(count_bits=8)
     many = Piece(uef=tuple((tick, tick + 4) for tick in range(100, 140, 8)))
@@ -163,6 +176,7 @@ def test_each_cause_is_counted_once_a_cycle_and_counts_wrap():
     assert [first["timeout_cycles"], second["timeout_cycles"]] == [1, 2]
 
 
+@pytest.mark.shows("LNK-4", "LNK-6")
 @settings(max_examples=8, deadline=None)
 @given(
     gaps=st.lists(st.tuples(st.integers(1, 90), st.integers(1, 90)), max_size=40),
@@ -183,6 +197,7 @@ def test_whatever_uef_does_a_fresh_word_has_no_cause_and_every_cycle_its_deliver
         assert (one["status"] == FAULT) == (one["health"] in (START, ALARM, RECOVERING))
 
 
+@pytest.mark.shows("LNK-5")
 def test_a_reset_in_mid_word_forgets_the_cycles_before_it():
     """Good, two faulty, then a reset while the next answer comes: all begins anew."""
     config = small(tolerated_cycles=4, recovery_cycles=2)

@@ -35,6 +35,7 @@ def lines(config, cycles):
     return tuple(Waveform.of(ticks, [i % 2 for i in range(len(ticks))]) for ticks in (clk, anf))
 
 
+@pytest.mark.shows("LNK-1", "LNK-2")
 @every_rate
 def test_clk_and_anf_are_the_contracts_in_every_tick(changes):
     config = small(**changes)
@@ -57,6 +58,7 @@ class Clocks(wiring.Component):
         return m
 
 
+@pytest.mark.shows("LNK-1", "LNK-2")
 def test_at_every_reference_clock_a_cycle_is_10240_clk_of_512_khz():
     clock = Clock(frequency_hz=Fraction(1))
     engine = open_engine(Design(name="clocks", component=Clocks, clocks=(clock,)), "cxxrtl")
@@ -72,6 +74,7 @@ def test_at_every_reference_clock_a_cycle_is_10240_clk_of_512_khz():
         assert once in result[f"anf_{hz}"].rising()
 
 
+@pytest.mark.shows("LNK-6")
 @every_rate
 def test_a_delivery_comes_in_every_cycle_at_the_same_phase_and_fields_change_in_no_other_tick(
     changes,
@@ -88,6 +91,7 @@ def test_a_delivery_comes_in_every_cycle_at_the_same_phase_and_fields_change_in_
     assert [one["number"] for one in deliveries(config, result)] == [1, 2, 3, 4]
 
 
+@pytest.mark.shows("LNK-6")
 @every_rate
 def test_the_frame_carries_word_status_age_number_and_the_check_of_all_bits_before(changes):
     config = small(**changes)
@@ -102,10 +106,12 @@ def test_the_frame_carries_word_status_age_number_and_the_check_of_all_bits_befo
         assert frame == sent << config.radio_check.width | config.radio_check.of(sent, count)
 
 
+@pytest.mark.shows("LNK-6")
 def test_the_check_of_the_radio_line_is_the_crc_of_its_name():
     assert Config.radio_check.of(int.from_bytes(b"123456789"), 72) == 0x29B1
 
 
+@pytest.mark.shows("LNK-6")
 @every_rate
 @pytest.mark.parametrize("bare", [False, True])
 def test_the_radio_line_is_valid_for_one_frame_a_cycle_from_the_first_clk_after_the_delivery(
@@ -121,6 +127,7 @@ def test_the_radio_line_is_valid_for_one_frame_a_cycle_from_the_first_clk_after_
     assert set(result["radio_data"].ticks[1:].tolist()) <= launches
 
 
+@pytest.mark.shows("LNK-6")
 def test_a_bare_radio_line_carries_the_word_while_fresh_and_else_the_fault_word():
     config = small(bare=True, fault_word=0x81)
     result = run(config, 4, *(answer(config, cycle, 0x35 + cycle, 3) for cycle in (1, 3)))
@@ -150,6 +157,7 @@ def test_the_default_configuration_answers_on_its_own_line():
     assert config.cycle_ticks == 800_000
 
 
+@pytest.mark.shows("LNK-3")
 @pytest.mark.parametrize("word_bits", [64, 512])
 def test_words_of_64_and_512_bits_pass_whole(word_bits):
     crc = Check(width=32, polynomial=0x04C11DB7, initial=0xFFFFFFFF, final=5)

@@ -18,6 +18,8 @@ from railgate.position_link.plant import FAULTS, Fault, Scenario, received
 from railgate.position_link.spec import EVEN, Config, Status
 from railgate.waves import Trace, Waveform
 
+pytestmark = pytest.mark.shows("SYS-2")
+
 LOOPED = Config(**SMALL, check=EVEN, zero_is_fault=True)
 
 

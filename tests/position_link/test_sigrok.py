@@ -32,6 +32,7 @@ def line() -> Trace:
     return run.waves.select(["clk", "uef", "data"])
 
 
+@pytest.mark.shows("LNK-3")
 def test_decode_reads_the_words_that_sigrok_reads(line) -> None:
     layout = example()
     found = decode(line, layout.config, layout)

@@ -12,6 +12,7 @@ from railgate.position_link.spec import CRC16, EVEN, ODD, Cause, Check, Config
 CONFIG = Config()
 
 
+@pytest.mark.shows("LNK-1", "LNK-2", "LNK-3")
 def test_the_source_s_figures_are_the_defaults() -> None:
     """Source 001, paragraphs 13 to 15: 40 MHz, 512 kHz, 20 ms, 10 CLK, 30 CLK, three cycles."""
     assert (CONFIG.bits, CONFIG.ticks) == (8, 625)
@@ -21,6 +22,7 @@ def test_the_source_s_figures_are_the_defaults() -> None:
     assert CONFIG.invalid_word == 2**64 - 1
 
 
+@pytest.mark.shows("LNK-1")
 @pytest.mark.parametrize(
     ("clock_mhz", "ratio"),
     [(40, "8/625"), (48, "4/375"), (50, "32/3125"), (100, "16/3125"), (125, "64/15625")],
@@ -31,6 +33,7 @@ def test_every_clock_has_an_exact_divider(clock_mhz: int, ratio: str) -> None:
     assert config.rise(config.cycle_bits) == config.cycle_ticks
 
 
+@pytest.mark.shows("LNK-1")
 @given(st.sampled_from([40, 48, 50, 100, 125]), st.integers(0, 10_240))
 def test_an_edge_is_less_than_a_tick_after_its_instant(clock_mhz: int, n: int) -> None:
     config = Config(clock_hz=clock_mhz * 10**6)
@@ -39,6 +42,7 @@ def test_an_edge_is_less_than_a_tick_after_its_instant(clock_mhz: int, n: int) -
     assert 0 <= config.fall(n) - (n + Fraction(1, 2)) * period < 1
 
 
+@pytest.mark.shows("LNK-6")
 @pytest.mark.parametrize("changes", [{}, {"word_bits": 512}, {"bare": True}, {"word_bits": 8}])
 def test_the_frame_begins_with_the_first_clk_after_the_delivery(changes: dict[str, Any]) -> None:
     config = Config(**changes)
@@ -46,6 +50,7 @@ def test_the_frame_begins_with_the_first_clk_after_the_delivery(changes: dict[st
     assert config.delivery_ticks < config.rise(config.radio_first)
 
 
+@pytest.mark.shows("LNK-6")
 def test_the_decision_is_behind_the_longest_answer() -> None:
     """UEF rises in the last tick of the window and is one CLK too long."""
     latest = CONFIG.rise(CONFIG.window_bits) - 1
@@ -61,6 +66,7 @@ def test_fields_have_names_of_their_own_and_one_count_for_each_cause() -> None:
     assert sum(field.width for field in CONFIG.frame_fields) == CONFIG.frame_bits == 96
 
 
+@pytest.mark.shows("LNK-7")
 def test_checks_are_those_of_the_books() -> None:
     """Check values of the catalogue of parametrised CRC algorithms: CRC of "123456789"."""
     digits = int.from_bytes(b"123456789", "big")

@@ -12,6 +12,8 @@ from railgate.engines.pysim import PySim
 from railgate.primitives import FractionalDivider
 from railgate.waves import Trace
 
+pytestmark = pytest.mark.shows("LNK-1")
+
 
 def strobes(end, *arguments):
     """The ticks below `end` in which it strobes."""

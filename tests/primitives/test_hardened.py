@@ -10,6 +10,8 @@ from railgate.engines import Clock, Design, open_engine
 from railgate.primitives import SparseState, Twin
 from railgate.waves import Trace, Waveform
 
+pytestmark = pytest.mark.shows("DRV-16")
+
 WIDTH = 5
 
 

@@ -4,6 +4,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import accumulate
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,6 +12,8 @@ from railgate.engines import Clock, Design
 from railgate.engines.pysim import PySim
 from railgate.primitives import FilteredInput
 from railgate.waves import Trace, Waveform
+
+pytestmark = pytest.mark.shows("ODO-9")
 
 
 @cache

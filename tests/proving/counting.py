@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from amaranth.hdl import ClockDomain, Module, Signal, signed
+from amaranth.hdl import ClockDomain, DomainRenamer, Module, Mux, ResetSignal, Signal, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -97,6 +97,31 @@ class Other(NeverAbove):
         late = Signal()
         m.d.other += late.eq(self.go)
         m.d.comb += self.assumed.eq(late | self.go)
+        return m
+
+
+class Clocked(Monitor):
+    """A counter in a domain of its own has counted its clock's rising edges, but not to `limit`."""
+
+    def __init__(self, limit: int = LAST + 1) -> None:
+        self._limit = limit
+        super().__init__({"toggles": 1}, domains=["other"])
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        m.domains += (domain := ClockDomain("other", local=True, reset_less=True))
+        m.submodules.counter = DomainRenamer("other")(counter := Counter())
+        level, edges = Signal(), Signal(8)
+        m.d.sync += level.eq(level ^ self.toggles)
+        with m.If(self.toggles & ~level):
+            m.d.sync += edges.eq(Mux(edges == LAST, 0, edges + 1))
+        m.d.comb += [
+            domain.clk.eq(level),
+            counter.go.eq(1),
+            self.assumed.eq(~ResetSignal()),
+            self.holds.eq((counter.count == edges) & (edges != self._limit) & (edges <= LAST)),
+            self.reached.eq(counter.wraps),
+        ]
         return m
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from proving.counting import (
     INPUTS,
+    Clocked,
     Forgotten,
     Impossible,
     NeverAbove,
@@ -112,6 +113,17 @@ def test_what_shows_nothing_fails(monitor: Callable[[], Any], given: Any, says: 
     result = judged(claim(monitor, **given))
     assert result.status == "failed"
     assert result.reason.startswith(says)
+
+
+@SOLVERS
+def test_a_clock_of_its_own_has_its_edges_where_the_monitor_has_them(solver: str) -> None:
+    assert judged(claim(Clocked), solver).status == "proven"
+
+
+def test_a_wrong_claim_of_a_clock_of_its_own_fails_in_the_simulator_too() -> None:
+    result = judged(claim(lambda: Clocked(3)))
+    assert (result.status, result.reason) == ("failed", "holds is 0 in tick 5")
+    assert result.counterexample is None
 
 
 def test_a_late_cover_is_reached_by_a_run() -> None:

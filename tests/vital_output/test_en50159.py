@@ -19,6 +19,8 @@ from railgate.vital_output.spec import Cause, Config, pack
 from vital_output.pair import driving, frames_of, inputs, run, wrong
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-5", kind="sweep")
+
 PAIR = driving(SMALL, 9, ppm_1=100, ppm_2=-100)
 CYCLE = 11
 """In which a false frame comes: the contact has been closed for some cycles."""
@@ -244,6 +246,7 @@ def assert_unmoved(found: Run) -> None:
     assert not names & differing(found)
 
 
+@pytest.mark.shows("DRV-6")
 @pytest.mark.parametrize("cpu", [1, 2])
 def test_a_frame_that_does_not_come_is_counted_as_lost(cpu: int) -> None:
     found = with_frames(cpu, lambda frames: [f for f in frames if f.cycle != CYCLE])
@@ -252,6 +255,7 @@ def test_a_frame_that_does_not_come_is_counted_as_lost(cpu: int) -> None:
     assert_unmoved(found)
 
 
+@pytest.mark.shows("DRV-6")
 @pytest.mark.parametrize("cpu", [1, 2])
 @pytest.mark.parametrize("change", [{"image": FALSE}, {"image": 0}, {"acknowledge": 1}])
 def test_what_one_cpu_alone_commands_is_accepted_but_never_followed(
@@ -265,6 +269,7 @@ def test_what_one_cpu_alone_commands_is_accepted_but_never_followed(
     assert_unmoved(found)
 
 
+@pytest.mark.shows("DRV-2")
 @pytest.mark.parametrize("cpu", [1, 2])
 def test_every_bit_of_a_frame_is_needed(cpu: int) -> None:
     """Each inverted alone, in a copy of the next frame that comes beside the right ones."""

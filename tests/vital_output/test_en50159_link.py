@@ -21,6 +21,8 @@ from vital_output.messages import Line, altered
 from vital_output.pair import driving, frames_of, inputs, run, wrong
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-6", kind="sweep")
+
 LATE = Cpus(phase_s=Fraction(5, 1000))
 """In a cycle's middle, so that no other index is acceptable."""
 
@@ -171,6 +173,7 @@ def test_what_an_fpga_sends_itself_it_never_takes(fpga: int) -> None:
     assert found.trace["contact"].values.tolist() == [0, 1, 0]
 
 
+@pytest.mark.shows("DRV-17")
 @pytest.mark.parametrize("fpga", [1, 2])
 @pytest.mark.parametrize("ahead", [1, 2])
 def test_a_message_numbered_ahead_is_a_clock_off_its_tolerance_and_ends_the_drive(

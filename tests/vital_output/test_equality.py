@@ -19,6 +19,8 @@ from vital_output.equality import assert_same, opened
 from vital_output.random_channel import surroundings
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("SYS-2")
+
 SEEDS = st.integers(0, 1 << 32)
 WIDE = replace(
     SMALL,

@@ -24,6 +24,8 @@ from vital_output.runs import RELAY
 from vital_output.scenarios import clocks, odd_clocks, scenarios
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("SYS-2")
+
 MILLI = Fraction(1, 1000)
 OTHER = Config(
     clock_hz=1_000_000,

@@ -84,6 +84,7 @@ def first_to_accept(scenario: Scenario, fpga: int, updates_of: Sequence[Sequence
     return int(plain.channels[fpga - 1].edges.begin(tick - LAST_BYTE))
 
 
+@pytest.mark.shows("DRV-7", kind="sweep")
 @pytest.mark.parametrize("fpga", [1, 2])
 def test_the_declared_bound_of_an_images_life_is_reached_to_the_tick(fpga: int) -> None:
     scenario = driving(SMALL, END - START)
@@ -103,6 +104,7 @@ AHEAD = st.lists(st.integers(-MARGIN, MARGIN), min_size=END, max_size=END)
 """Of each cycle, by how much the time that comes is ahead of the network's."""
 
 
+@pytest.mark.shows("DRV-7", kind="sweep")
 @given(clocks(), AHEAD, AHEAD, st.integers(0, CYCLE_TICKS + MARGIN), st.integers(-2000, 2000))
 @settings(max_examples=12, deadline=None)
 def test_no_image_lives_longer_than_declared(
@@ -146,6 +148,7 @@ IN_ONE_CHANNEL = FAULTS.keys() - {"welded"}
 """A relay that does not release is beyond what is assumed."""
 
 
+@pytest.mark.shows("DRV-16", kind="sweep")
 @given(scenarios(SMALL, 14, kinds=IN_ONE_CHANNEL, most=1))
 @settings(max_examples=20, deadline=None)
 def test_a_contact_opens_in_the_declared_time_whatever_fails_in_one_channel(
@@ -158,6 +161,7 @@ OF_THE_PLANT_S = Fraction(5, 10**6)
 """What a contact's opening may fall short of the declared time: ticks of FPGA and relay."""
 
 
+@pytest.mark.shows("DRV-16")
 def test_the_declared_reaction_time_is_reached() -> None:
     """A train as of FPGA 1 is at the relay for ever. Both clocks and the network's time are as slow
     as they may be, the last frame comes as early as it may, FPGA 2's last pulse rises in the tick
@@ -182,6 +186,7 @@ def test_the_declared_reaction_time_is_reached() -> None:
     assert 0 <= short <= OF_THE_PLANT_S
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.slow
 @given(scenarios(SMALL, 20, kinds=IN_ONE_CHANNEL, most=1))
 @settings(max_examples=4_000, deadline=None)
@@ -191,6 +196,7 @@ def test_a_contact_opens_in_the_declared_time_whatever_fails_in_one_channel_for_
     assert_safe(run(scenario, SMALL))
 
 
+@pytest.mark.shows("DRV-16", "DRV-17")
 @pytest.mark.slow
 @given(scenarios(SMALL, 20, odd_clocks()))
 @settings(max_examples=1_000, deadline=None)
@@ -198,6 +204,7 @@ def test_a_contact_opens_in_the_declared_time_whatever_one_clock_does(scenario: 
     assert_safe(run(scenario, SMALL))
 
 
+@pytest.mark.shows("DRV-7", "DRV-16", kind="sweep")
 @given(st.sampled_from((0, 1)), st.integers(0, 1 << 32))
 @settings(max_examples=12, deadline=None)
 def test_a_channel_drives_on_a_live_image_alone_whatever_its_peer_says(

@@ -26,6 +26,7 @@ def short() -> Scenario:
     return replace(scenario, commands=(first,), seconds=11 * CYCLE, faults=faults)
 
 
+@pytest.mark.shows("SYS-2")
 def test_leap_and_the_compiled_closed_loop_make_the_same_run() -> None:
     leap, compiled = (simulate(short(), SMALL, engine) for engine in ("leap", "cxxrtl"))
     assert leap.trace.first_difference(compiled.trace) is None

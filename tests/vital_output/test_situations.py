@@ -55,6 +55,7 @@ ENDS: dict[str, tuple[list[str | None], tuple[State, State], tuple[Cause, Cause]
 """What opened the contact of output 0 each time, its states at the end, and the first causes."""
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize("situation", SITUATIONS)
 def test_it_ends_as_told_and_only_a_welded_contact_stays_closed_too_long(situation: str) -> None:
     run = run_of(situation)

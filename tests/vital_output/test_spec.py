@@ -19,6 +19,7 @@ MILLI = Fraction(1, 1000)
 words = st.integers(0, (1 << 32) - 1)
 
 
+@pytest.mark.shows("DRV-2")
 @pytest.mark.parametrize("outputs", [1, 8, 9, 16, 64])
 @pytest.mark.parametrize("board", [0, 1])
 def test_each_mask_changes_just_its_bit_of_the_crc(outputs: int, board: int) -> None:
@@ -29,6 +30,7 @@ def test_each_mask_changes_just_its_bit_of_the_crc(outputs: int, board: int) -> 
     assert changed == [1 << number for number in range(32)]
 
 
+@pytest.mark.shows("DRV-2")
 @given(words, words, words, words, st.integers(0, 31))
 def test_a_mask_does_so_whatever_the_frame(
     board: int, time: int, sequence: int, image: int, number: int
@@ -54,6 +56,7 @@ def test_a_value_that_does_not_fit_into_its_field_is_refused() -> None:
         pack(DEFAULT.layout.frame, {"sequence": 0, "image": 1 << 16, "acknowledge": 0, "crc": 0})
 
 
+@pytest.mark.shows("DRV-1")
 def test_the_frame_is_laid_out_as_requirement_drv_1_has_it() -> None:
     layout = DEFAULT.layout
     assert layout.frame_bytes == 12
@@ -62,6 +65,7 @@ def test_the_frame_is_laid_out_as_requirement_drv_1_has_it() -> None:
     assert bits(layout.message) + 1 == layout.message_bits == 221
 
 
+@pytest.mark.shows("DRV-2", "DRV-5")
 def test_no_frame_for_one_board_is_one_for_the_other_in_the_acceptance_window() -> None:
     values = {"sequence": 1, "image": 3, "acknowledge": 0}
     for index in (0, 1, 6, 7, 8, 0x7FFF_FFFF, 0xFFFF_FFFE, 0xFFFF_FFFF):
@@ -73,6 +77,7 @@ def test_no_frame_for_one_board_is_one_for_the_other_in_the_acceptance_window() 
         assert not first & second
 
 
+@pytest.mark.shows("DRV-2")
 def test_boards_that_a_time_near_by_can_stand_for_are_refused() -> None:
     linear = Check(width=32, polynomial=DEFAULT.polynomial)
     columns = [linear.of(1 << bit, 32) for bit in range(32)]
@@ -99,6 +104,7 @@ def solve(columns: list[int], wanted: int) -> int:
     return found
 
 
+@pytest.mark.shows("DRV-2")
 def test_a_board_that_is_a_mask_of_the_other_is_refused() -> None:
     board = DEFAULT.masks[0][9]
     with pytest.raises(ValueError, match="must not be a mask"):
@@ -151,6 +157,7 @@ def test_every_number_of_outputs_can_be_built() -> None:
         Config(outputs=outputs, release_min_s=5 * MILLI)
 
 
+@pytest.mark.shows("SYS-5")
 def test_the_digest_tells_every_difference() -> None:
     changes: list[dict[str, object]] = [
         {},
@@ -165,6 +172,7 @@ def test_the_digest_tells_every_difference() -> None:
     assert Config().digest == digests[0]
 
 
+@pytest.mark.shows("DRV-16")
 def test_the_reaction_time_is_made_of_its_parts() -> None:
     ticks = 16_000 + 400 + 4 * (800_000 + 400) + (16_000 + 80_000 + DEFAULT.latency_ticks) + 1
     assert DEFAULT.life_bound_ticks == ticks

@@ -23,6 +23,8 @@ from vital_output.pair import RELAY, busy, driving, entries, frames_of, inputs, 
 from vital_output.scenarios import clocks
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-14", kind="sweep")
+
 TICK = 10**15 // SMALL.clock_hz
 """Femtoseconds."""
 
@@ -90,6 +92,7 @@ EARLY, LATE = -PHASE, SMALL.cycle_ticks + PHASE - PASSES - 2 * SMALL.layout.fram
 """The first and the last phase that frames may have in a cycle, so far apart."""
 
 
+@pytest.mark.shows("DRV-1", "DRV-6")
 @given(clocks(), DELAYS, st.data())
 @settings(max_examples=10, deadline=None)
 def test_frames_pass_up_to_the_skew_that_is_declared_and_fail_beyond(
@@ -102,6 +105,7 @@ def test_frames_pass_up_to_the_skew_that_is_declared_and_fail_beyond(
     assert {stored for _, stored, _ in told} == {True, False}
 
 
+@pytest.mark.shows("DRV-6")
 @given(clocks(), DELAYS, st.integers(EARLY, LATE), st.data())
 @settings(max_examples=6, deadline=None)
 def test_frames_pass_wherever_they_are_in_their_cycle(
@@ -165,6 +169,7 @@ def assert_handshakes(
     return told
 
 
+@pytest.mark.shows("DRV-9")
 @given(clocks(), DELAYS, st.sampled_from((1, 2)), st.data())
 @settings(max_examples=8, deadline=None)
 def test_outputs_drive_up_to_the_skew_in_leaving_that_is_declared_and_both_tell_beyond(
@@ -179,6 +184,7 @@ def test_outputs_drive_up_to_the_skew_in_leaving_that_is_declared_and_both_tell_
     assert set(told) == {True, False}
 
 
+@pytest.mark.shows("DRV-1", "DRV-6")
 @pytest.mark.slow
 @given(clocks(), DELAYS, st.integers(EARLY, SMALL.cycle_ticks - FAILS - 500), st.data())
 @settings(max_examples=200, deadline=None)
@@ -189,6 +195,7 @@ def test_frames_pass_up_to_the_skew_that_is_declared_and_fail_beyond_for_long(
     assert_skews(timing, delay_ticks, phase, around(PASSES, 5) + around(FAILS, 5) + between)
 
 
+@pytest.mark.shows("DRV-9")
 @pytest.mark.slow
 @given(clocks(), DELAYS, st.sampled_from((1, 2)), st.booleans())
 @settings(max_examples=100, deadline=None)

@@ -24,6 +24,8 @@ from vital_output.pair import inputs, run, wrong
 from vital_output.scenarios import scenarios
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-14", kind="sweep")
+
 MILLI = Fraction(1, 1000)
 TICK = 10**15 // SMALL.clock_hz
 """Femtoseconds."""
@@ -70,6 +72,7 @@ SPARE = replace(
 """Of two messages one after the other one may be lost."""
 
 
+@pytest.mark.shows("DRV-10")
 @given(scenarios(SPARE, 20), st.integers(0, 1 << 32))
 @settings(max_examples=6, deadline=None)
 def test_no_single_lost_message_raises_an_alarm_or_stops_a_switch(

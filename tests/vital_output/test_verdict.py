@@ -15,6 +15,8 @@ from railgate.waves import Waveform
 from vital_output.runs import run_of
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-16")
+
 DECLARED = int(SMALL.reaction_s / FEMTOSECOND)
 """Whole femtoseconds: at most the declared time, and one more is too long."""
 END = 10 * DECLARED

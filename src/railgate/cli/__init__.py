@@ -8,20 +8,35 @@ import typer
 from rich.console import Console
 
 from railgate import doctor as checkup
-from railgate.cli import odometer, position_link, proofs, residual, vital_output
+from railgate.cli import (
+    attach,
+    evidence,
+    odometer,
+    position_link,
+    proofs,
+    registers,
+    residual,
+    unit,
+    vital_output,
+)
 
 __all__ = ["main"]
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 simulations = typer.Typer(no_args_is_help=True)
+app.command("run")(unit.run_)
+app.command("scenarios")(unit.scenarios_)
 app.command("measure")(odometer.measure_)
 app.command("decode")(position_link.decode_)
 app.add_typer(simulations, name="simulate", help="Run a function against its simulated plant.")
 simulations.command("odometer")(odometer.simulate_odometer)
 simulations.command("link")(position_link.simulate_link)
 simulations.command("vital")(vital_output.simulate_vital)
+app.command("attach")(attach.attach_)
+app.command("registers")(registers.registers_)
 app.command("residual")(residual.residual_)
 app.command("prove")(proofs.prove_)
+app.command("evidence")(evidence.evidence_)
 
 
 @app.callback()

@@ -44,6 +44,8 @@ def prove_(
     """Prove what is claimed of the gateware; exit code 1 where a claim fails."""
     # Here, since no other command needs the solvers' side.
     from railgate.evidence.claims import chosen
+    from railgate.evidence.digests import digests
+    from railgate.evidence.results import keep_proof
     from railgate.proving.counterexample import replay as run_again
     from railgate.proving.prover import prove
     from railgate.proving.table import record
@@ -59,8 +61,14 @@ def prove_(
         print(f"{claims[0].name}: {fall or 'holds throughout'}")
         raise typer.Exit(int(fall is not None))
     tools = Tools(solver, float(quantity.time_s(timeout)))
+    on = digests()
     with counted("proving", len(claims)) as done:
-        results = prove(claims, tools, mutants=mutants, jobs=jobs, done=lambda _: done())
+
+        def ended(result: Result) -> None:
+            keep_proof(result, on)
+            done()
+
+        results = prove(claims, tools, mutants=mutants, jobs=jobs, done=ended)
     _present(results, [record(result, out) for result in results], json)
     raise typer.Exit(int(any(result.failed for result in results)))
 

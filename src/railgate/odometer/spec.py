@@ -80,8 +80,10 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
+from functools import cached_property
 
 from railgate.bounds import require
+from railgate.digest import digest
 from railgate.field import Field
 
 __all__ = ["STAMP", "STATE", "Assumptions", "Config", "Direction", "Field", "Flag"]
@@ -205,6 +207,11 @@ class Config:
                 f"window_pulses and period_bits must leave the Ω sums at most 64 bits, "
                 f"not {self.sum_b_bits}"
             )
+
+    @cached_property
+    def digest(self) -> int:
+        """Of all of the configuration (SYS-5)."""
+        return digest(self)
 
     @property
     def pitch_m(self) -> float:

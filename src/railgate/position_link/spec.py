@@ -79,11 +79,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from math import ceil, floor
 
 from railgate.bounds import require
 from railgate.check import Check
+from railgate.digest import digest
 from railgate.field import Field
 
 __all__ = [
@@ -263,6 +264,11 @@ class Config:
                     f"{name} must give a whole number in {float(self.cycle_s):g} s, "
                     f"the nearest are {low:.12g} and {high:.12g}, not {float(rate):.12g}"
                 )
+
+    @cached_property
+    def digest(self) -> int:
+        """Of all of the configuration (SYS-5)."""
+        return digest(self)
 
     @property
     def bits(self) -> int:

@@ -27,6 +27,8 @@ tee -q -o {name}.strays select -count @registers i:clk %co1:+[CLK] %d
 prep -top top
 scc -select; simplemap; select -clear
 memory_nordff
+select -set others t:$*dff* i:clk %co1:+[CLK] %d
+clk2fflogic @others
 async2sync
 chformal -assume -early
 opt_clean
@@ -57,7 +59,8 @@ class Model:
     """A netlist made ready for the solver.
 
     clocked: registers on which `holds` depends. strays: registers, and ports of memories, that
-    clk does not clock. asserts: what is left to assert.
+    clk does not clock; they take their edges where their own clock has them, which must not depend
+    on clk. asserts: what is left to assert.
     """
 
     tools: Tools

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
+from math import inf
 
+from railgate.unit.faults import Fault
 from railgate.unit.scenario import Scenario
 
 __all__ = ["broken", "clocks_off"]
@@ -22,7 +25,7 @@ def clocks_off(scenario: Scenario) -> Iterator[tuple[int, float]]:
 def broken(scenario: Scenario) -> tuple[str, ...]:
     """The premises of the speed's and the distance's interval that do not hold throughout, a
     sentence each."""
-    return tuple((*_clock(scenario), *_sensors(scenario), *_motion(scenario), *_wheels(scenario)))
+    return (*_clock(scenario), *_sensors(scenario), *_motion(scenario), *_wheels(scenario))
 
 
 def _clock(scenario: Scenario) -> Iterator[str]:
@@ -34,13 +37,14 @@ def _clock(scenario: Scenario) -> Iterator[str]:
 
 def _sensors(scenario: Scenario) -> Iterator[str]:
     sensor, assumed = scenario.sensor, scenario.config.assumptions
+    late = sensor.jitter_s * scenario.config.odometer.clock_hz + 1
     if sensor.tooth_error > assumed.tooth_error:
         yield (
             f"edges within ±{assumed.tooth_error:g} pitch of their places: "
             f"they are up to {sensor.tooth_error:g} off"
         )
-    if sensor.jitter_s:
-        yield f"each edge stamped at once: they jitter by up to {sensor.jitter_s * 1e6:g} µs"
+    if late > assumed.late_ticks:
+        yield f"edges stamped less than {assumed.late_ticks:g} ticks late: they are up to {late:g}"
     if sensor.dropouts or sensor.glitches_hz:
         yield "no edge lost or false: the sensors lose pulses or add some"
 
@@ -55,11 +59,20 @@ def _motion(scenario: Scenario) -> Iterator[str]:
 
 
 def _wheels(scenario: Scenario) -> Iterator[str]:
-    for fault in scenario.faults:
-        if fault.part == "wheel":
-            premise = "the wheel rolls" if fault.kind in ROLLING else "no edge lost or false"
-            until = "" if fault.end_s is None else f" until {float(fault.end_s):g} s"
+    """An axle that slips, slides or is locked breaks none of them as long as another one rolls."""
+    off = [fault for fault in scenario.faults if fault.part == "wheel"]
+    for fault in off:
+        if fault.kind not in ROLLING:
             yield (
-                f"{premise}: axle {fault.axle}, {fault.kind.replace('-', ' ')} "
-                f"from {float(fault.start_s):g} s on{until}"
+                f"no edge lost or false: axle {fault.axle}, {fault.kind.replace('-', ' ')} "
+                f"from {float(fault.start_s):g} s on"
             )
+    for one, other in combinations(off, 2):
+        start = max(one.start_s, other.start_s)
+        if one.axle != other.axle and start < min(_back(scenario, one), _back(scenario, other)):
+            yield f"an axle that rolls and is measured: from {float(start):g} s on there is none"
+
+
+def _back(scenario: Scenario, fault: Fault) -> float:
+    """When the axle can be believed again."""
+    return inf if fault.end_s is None else float(fault.end_s) + scenario.config.rolling.rejoin_s

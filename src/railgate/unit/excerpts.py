@@ -44,7 +44,7 @@ def excerpts(times_s: Sequence[float], end_s: Fraction) -> Excerpts:
         if spans and begin <= spans[-1][1]:
             first, last = spans[-1]
             if time <= first + LONGEST_S:
-                total += max(end - last, 0)
+                total += max(end, last) - last
                 spans[-1] = first, max(last, end)
             if time <= spans[-1][1]:
                 of.append(len(spans) - 1)

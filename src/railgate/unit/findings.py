@@ -31,7 +31,8 @@ SOURCES = {
 """Who says it."""
 AFTERWARDS_S = 1.0
 """So long after a fault's end it may still be found."""
-PER_SOURCE = 2
+PER_SOURCE = 3
+"""Findings of one source."""
 NUMBERS = re.compile(r"\d+")
 
 
@@ -76,7 +77,8 @@ def _injected(fault: Fault, events: Sequence[Event]) -> Injected:
         and complaint.fullmatch(event.what)
     )
     kind = fault.kind.replace("-", " ")
-    value = "" if fault.value is None else f" {fault.value}"
+    unit = " %" if fault.part == "wheel" else ""
+    value = "" if fault.value is None else f" {fault.value}{unit}"
     name = {"wheel": f"axle {fault.axle}: {kind}", "link": f"position link: {kind}"}
     return Injected(
         part=fault.part,
@@ -102,11 +104,11 @@ def _clocks(scenario: Scenario, events: Sequence[Event]) -> Iterator[Injected]:
 
 
 def _first(events: Iterable[Event], start_s: float) -> Iterator[Finding]:
-    """The first of each kind, at most two of each source."""
+    """The first of each kind, at most three of each source."""
     seen: dict[str, set[str]] = {}
     for event in events:
         kinds = seen.setdefault(event.source, set())
-        kind = NUMBERS.sub("", event.what.partition(":")[0])
+        kind = NUMBERS.sub("", event.what)
         if kind not in kinds and len(kinds) < PER_SOURCE:
             kinds.add(kind)
             yield Finding(event.time_s - start_s, event.source, event.what)

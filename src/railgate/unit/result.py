@@ -64,16 +64,10 @@ class Result:
         return int(self.outside.any(axis=1).sum())
 
     @property
-    def way_error_m(self) -> NDArray[np.float64]:
-        """The way by each odometer less the true one. Shape (n, 2)."""
-        cycles = self.run.cycles
-        true = cycles.place_m - self.run.scenario.route.start_m
-        return cycles.way_m - true[:, None]
-
-    @property
     def distance_error_m(self) -> float:
         """Of FPGA 1's odometer, at the end."""
-        return float(self.way_error_m[-1, 0])
+        cycles, start = self.run.cycles, self.run.scenario.route.start_m
+        return float(cycles.way_m[-1, 0] - (cycles.place_m[-1] - start))
 
     def as_json(self) -> dict[str, Any]:
         """All but cycles and waves, as plain numbers, strings and lists; see docs/commands.md."""

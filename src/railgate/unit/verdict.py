@@ -1,4 +1,4 @@
-"""Whether a run was safe: no door contact is closed where it must not be for longer than declared."""
+"""Whether a run was safe: no door contact closed where it must not be, for longer than declared."""
 
 from __future__ import annotations
 

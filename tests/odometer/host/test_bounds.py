@@ -24,12 +24,14 @@ def as_stated(value: float | Fraction, stated: str) -> bool:
     return rounded(value, f"1e{Decimal(stated).as_tuple().exponent}") == Decimal(stated)
 
 
+@pytest.mark.shows("ODO-3")
 def test_one_period_at_200_kmh_is_what_section_2_2_states() -> None:
     low, high = period_bounds_kmh(200, CONFIG)
     assert as_stated(low, "199.932")
     assert as_stated(high, "200.068")
 
 
+@pytest.mark.shows("ODO-4")
 @pytest.mark.parametrize(
     ("khz", "low", "high"),
     [
@@ -45,6 +47,7 @@ def test_phase_bounds_are_those_of_table_1(khz: str, low: str, high: str) -> Non
     assert all(map(as_stated, bounds, (low, high)))
 
 
+@pytest.mark.shows("ODO-4")
 @pytest.mark.parametrize(
     ("khz", "period", "delta"),
     [
@@ -64,6 +67,7 @@ def test_interval_bounds_are_those_of_table_1(
     assert all(map(as_stated, interval_bounds_s(true_s / 4, CONFIG), delta))
 
 
+@pytest.mark.shows("ODO-3", "ODO-4")
 @given(st.integers(2_600_000, 3_200_000), st.integers(0, 999), st.integers(125, 375))
 @settings(deadline=None)
 def test_every_measured_period_and_phase_lies_inside(

@@ -21,6 +21,8 @@ from railgate.odometer.host.estimators import (
 from railgate.odometer.host.readout import Snapshot
 from railgate.odometer.spec import Assumptions, Config
 
+pytestmark = pytest.mark.shows("ODO-14")
+
 CONFIG = Config()
 BLANK = Snapshot(**dict.fromkeys((field.name for field in fields(Snapshot)), 0))
 TICK_ONLY = Scale(CONFIG, Assumptions(crystal_ppm=0))
@@ -147,6 +149,7 @@ def test_omega_with_tooth_error_comes_near_its_bounds(n: int) -> None:
     assert low < period < low + 0.02 * (pace - low) + 2
 
 
+@pytest.mark.shows("ODO-10")
 def test_omega_is_the_exact_least_squares_slope_whatever_the_size() -> None:
     rng = np.random.default_rng(1)
     for n in (1, 2, 7, 110, 8191):
@@ -182,6 +185,7 @@ def test_without_a_measurement_there_is_no_value() -> None:
     assert present(BLANK, TICK_ONLY).high_kmh == math.inf
 
 
+@pytest.mark.shows("ODO-11")
 @given(st.floats(0, 0.9999), st.floats(-1, 1), st.floats(0.001, 3))
 @settings(deadline=None)
 def test_silence_bounds_the_speed_now(way: float, share: float, quiet_s: float) -> None:
@@ -194,6 +198,7 @@ def test_silence_bounds_the_speed_now(way: float, share: float, quiet_s: float) 
     assert 3.6 * abs(speed) < present(snapshot, TICK_ONLY).high_kmh
 
 
+@pytest.mark.shows("ODO-11")
 @pytest.mark.parametrize("quiet_s", [0.01, 0.05, 0.1, 10.0])
 def test_the_bound_of_silence_is_met_by_the_wheel_that_starts_hardest(quiet_s: float) -> None:
     a = TICK_ONLY.assumptions.acceleration_max

@@ -15,6 +15,8 @@ from railgate.odometer.host.feasible import feasible, speed_bounds
 from railgate.odometer.spec import Assumptions, Config
 from railgate.waves.waveform import Ticks
 
+pytestmark = pytest.mark.shows("ODO-14")
+
 module = import_module("railgate.odometer.host.feasible")  # the package has a function of that name
 
 CONFIG = Config()

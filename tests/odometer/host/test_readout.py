@@ -59,6 +59,7 @@ def test_a_snapshot_has_the_fields_of_the_specification() -> None:
     assert [field.name for field in fields(Snapshot)] == [field.name for field in stated]
 
 
+@pytest.mark.shows("ODO-7")
 def test_every_strobe_gives_one_snapshot_of_its_tick() -> None:
     config = Config(sensors=1)
     pins, outputs = played(constant(100, 0.5), config)
@@ -83,6 +84,7 @@ def test_a_reset_is_no_snapshot() -> None:
     assert [shot.number for shot in snapshots(outputs, config)] == [1, 2, 1, 2, 3, 4, 5, 6, 7]
 
 
+@pytest.mark.shows("ODO-7")
 @given(st.data())
 def test_lost_replies_lose_nothing(data: st.DataObject) -> None:
     """Counters of 8 bits and a time of 24 wrap many times over the run (ODO-7)."""
@@ -105,6 +107,7 @@ WRAPPING = snapshots(OUTPUTS, SMALL)
 RISES = PINS["a"].rising() + SMALL.input_delay_ticks
 
 
+@pytest.mark.shows("ODO-6")
 def test_steps_are_signed_and_wrap_either_way() -> None:
     older = replace(BLANK, position=127, direction_changes=255)
     newer = replace(BLANK, position=-128 + 9, direction_changes=1)
@@ -113,6 +116,7 @@ def test_steps_are_signed_and_wrap_either_way() -> None:
     assert between(older, newer, SMALL).direction_changes == 2
 
 
+@pytest.mark.shows("ODO-13")
 def test_stamps_are_the_edges_of_the_pins() -> None:
     pins, outputs = played(shuttle(60, 2), SMALL)
     taken = stamps(outputs, SMALL)
@@ -122,6 +126,7 @@ def test_stamps_are_the_edges_of_the_pins() -> None:
     assert not taken.lost.any()
 
 
+@pytest.mark.shows("ODO-13")
 @pytest.mark.parametrize("pause", [2, 977, 5003])
 def test_stamps_taken_by_fits_and_starts_are_the_same(pause: int) -> None:
     at = np.arange(0, 8_000_000 - 1, pause)
@@ -140,6 +145,7 @@ def test_a_stamp_only_offered_is_not_taken() -> None:
     assert not stamps(outputs, SMALL, ready=never).ticks.size
 
 
+@pytest.mark.shows("ODO-13")
 def test_an_edge_after_a_loss_is_not_known_to_be_a_rise_of_a() -> None:
     low, high = np.zeros(4, bool), np.array([False, True, False, True])
     ticks = np.array([10, 20, 30, 40])
@@ -187,6 +193,7 @@ def test_a_window_with_a_lost_stamp_has_no_edges() -> None:
     assert window_edges(taken, replace(shots[0], window_seated=0), SMALL) is None
 
 
+@pytest.mark.shows("ODO-14")
 def test_the_direction_is_the_wheels() -> None:
     _, outputs = played(shuttle(60, 2), Config(sensors=1))
     shots = snapshots(outputs, Config())
@@ -201,6 +208,7 @@ def test_the_direction_is_the_wheels() -> None:
     assert abs(angle - 270) < 0.5
 
 
+@pytest.mark.shows("ODO-14")
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
@@ -222,6 +230,7 @@ def test_a_direction_needs_all_that_speak_to_agree(
     assert direction(BLANK, replace(newer, **change), Config()) == expected
 
 
+@pytest.mark.shows("ODO-14")
 def test_the_distance_does_not_drift() -> None:
     config = Config(wheel_diameter_m=Fraction(6499, 10_000))
     leg = Counts(320_000, 1, 25, 25, 101, 0, 0, 0)

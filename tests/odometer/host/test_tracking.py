@@ -10,6 +10,8 @@ from railgate.odometer.plant import Profile, Sensor, run
 from railgate.odometer.spec import Assumptions, Config
 from railgate.waves import Trace, Waveform
 
+pytestmark = pytest.mark.shows("ODO-11")
+
 CONFIG = Config()
 ASSUMED = Assumptions(crystal_ppm=10)
 WINDOW_S = 0.02

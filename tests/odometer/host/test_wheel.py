@@ -13,6 +13,8 @@ from railgate.odometer.plant import Profile, Sensor, constant
 from railgate.odometer.spec import Assumptions, Config
 from railgate.waves import Trace, Waveform
 
+pytestmark = pytest.mark.shows("ODO-14")
+
 CONFIG = Config(sensors=1, stamp_depth=64)
 EVERY_TICKS = 320_000
 BRAKING = Profile(np.array([0.0, 12.0, 14.5]), np.array([60, 0, 0]) / 3.6)

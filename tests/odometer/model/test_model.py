@@ -17,6 +17,7 @@ random = settings(max_examples=100, deadline=None, suppress_health_check=[Health
 CUTS = st.lists(st.integers(0, 2500), max_size=12)
 
 
+@pytest.mark.shows("SYS-2")
 @random
 @given(stimuli())
 def test_equals_the_contract_taken_tick_by_tick(case: tuple[Config, Trace]) -> None:

@@ -13,6 +13,8 @@ from railgate.position_link.host.layout import Bits, Layout, WordField, guarante
 from railgate.position_link.host.words import pack, parted, sound
 from railgate.position_link.spec import EVEN, Check, Config
 
+pytestmark = pytest.mark.shows("LNK-8")
+
 CRC8 = Check(width=8, polynomial=0x2F, initial=0xFF, final=0xFF)
 
 
@@ -288,11 +290,13 @@ def test_a_layout_makes_the_links_configuration() -> None:
     )
 
 
+@pytest.mark.shows("LNK-7")
 def test_what_the_check_says_of_data_is_said() -> None:
     assert guarantee(None) == "without a check field a fault of DATA alone is not seen"
     assert guarantee(CRC8) == "of words with random DATA one in 256 passes the check field"
 
 
+@pytest.mark.shows("LNK-7")
 def test_of_all_words_the_stated_part_passes_the_check() -> None:
     numbers = np.arange(1 << 16, dtype=np.uint64)
     layout = word(field("a", "15..8"), fault_word=0xFF, check=CRC8)

@@ -11,6 +11,8 @@ from railgate.position_link.host.layout import Bits, WordField
 from railgate.position_link.host.layout_file import example, parse_layout, read_layout
 from railgate.position_link.spec import EVEN, ODD, Check
 
+pytestmark = pytest.mark.shows("LNK-8")
+
 FIELD = '[[field]]\nname = "a"\nbits = "15..0"\n'
 CHECKED = '[[field]]\nname = "a"\nbits = "15..{}"\n[check]\n{}\n'
 

@@ -66,6 +66,7 @@ def read(
     return deliveries(outputs(rows, config), config, layout)
 
 
+@pytest.mark.shows("LNK-8")
 def test_a_fresh_word_is_read_in_engineering_units() -> None:
     run = read([FRESH])
     (one,) = run
@@ -88,6 +89,7 @@ def test_a_held_word_keeps_its_values_and_says_its_age_and_why() -> None:
     assert one.values["position"] == 1234.5
 
 
+@pytest.mark.shows("LNK-5")
 @pytest.mark.parametrize("word", [WORD, LINK.invalid_word, 0])
 def test_with_status_fault_there_is_no_position_whatever_the_bits(word: int) -> None:
     run = read([{**DOWN, "word": word}, {**BACK, "word": word}, {"word": word}])
@@ -99,6 +101,7 @@ def test_with_status_fault_there_is_no_position_whatever_the_bits(word: int) -> 
         assert not column.data.any()
 
 
+@pytest.mark.shows("LNK-5")
 @pytest.mark.parametrize("word", [LINK.invalid_word, 0, WORD ^ 1, WORD ^ 1 << 40])
 @pytest.mark.parametrize("row", [FRESH, HELD])
 def test_a_word_that_cannot_be_good_is_not_believed(row: dict[str, int], word: int) -> None:
@@ -107,6 +110,7 @@ def test_a_word_that_cannot_be_good_is_not_believed(row: dict[str, int], word: i
     assert one.values == {}
 
 
+@pytest.mark.shows("LNK-7")
 def test_without_a_check_any_word_is_believed_and_the_summary_says_so() -> None:
     run = read([{**FRESH, "word": WORD ^ 1 << 40}], Config(), PLAIN)
     assert run[0].values == {"n": WORD ^ 1 << 40}
@@ -175,6 +179,7 @@ def test_lost_deliveries_and_resets_show_in_the_numbers() -> None:
     assert found.availability == len(numbers) / (len(numbers) + 259)
 
 
+@pytest.mark.shows("LNK-7")
 def test_counts_grow_over_wraps_losses_and_resets() -> None:
     config = replace(LINK, count_bits=8)
 
@@ -191,6 +196,7 @@ def test_counts_grow_over_wraps_losses_and_resets() -> None:
     }
 
 
+@pytest.mark.shows("LNK-7")
 def test_a_summary_counts_states_and_alarms() -> None:
     rows: list[dict[str, int]] = [
         START, START, FRESH, HELD, HELD, DOWN, DOWN, BACK, FRESH, HELD, FRESH, DOWN, FRESH,

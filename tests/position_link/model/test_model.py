@@ -29,6 +29,7 @@ def pieces(model: Model, stimulus: Trace, cuts: list[int]) -> Trace:
     return parts[0].concatenate(*parts[1:])
 
 
+@pytest.mark.shows("SYS-2")
 @random
 @given(stimuli())
 def test_equals_the_contract_taken_tick_by_tick(case: tuple[Config, Trace]) -> None:

@@ -54,6 +54,7 @@ def test_every_kind_of_fault_is_tried() -> None:
     assert {text.split("@")[0].split(":")[0] for text in CAUSES} == set(FAULTS)
 
 
+@pytest.mark.shows("LNK-4")
 @pytest.mark.parametrize("text", CAUSES)
 def test_each_fault_is_told_by_its_cause(text: str) -> None:
     _, found = run("cxxrtl", CONFIG, CYCLES, *CAUSES)
@@ -75,6 +76,7 @@ def test_pins_and_radio_unit_of_the_loop_are_those_of_the_step_functions(kind: s
     assert told.first_difference(found.select(told.signals)) is None
 
 
+@pytest.mark.shows("LNK-6")
 def test_the_radio_unit_has_one_right_frame_a_cycle_with_the_delivered_fields() -> None:
     _, found = run("cxxrtl", CONFIG, CYCLES, *CAUSES)
     assert found["radio.frames"].values.tolist() == list(range(CYCLES + 1))

@@ -13,6 +13,8 @@ from railgate.vital_output.spec import Cause, Code, State, TestPhase
 from vital_output.gateware.bench import Bench, high, values
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-16")
+
 CONFIG = replace(SMALL, error_interval_s=3 * SMALL.cycle_s)
 N, ONES = CONFIG.outputs, (1 << CONFIG.outputs) - 1
 PERIOD, HALF = CONFIG.period_ticks, CONFIG.half_period_ticks

@@ -56,6 +56,7 @@ BIG = Config(outputs=9, delay_cycles=5, life_cycles=4)
 LEAST = replace(SMALL, outputs=1, delay_cycles=1)
 
 
+@pytest.mark.shows("DRV-2")
 @pytest.mark.parametrize(("config", "board"), [(SMALL, 0), (BIG, 1), (LEAST, 1)])
 def test_the_verdict_comes_in_its_tick_and_names_the_frames_cycle(config, board):
     engine = bench(config, board, config.margin_ticks)
@@ -66,6 +67,7 @@ def test_the_verdict_comes_in_its_tick_and_names_the_frames_cycle(config, board)
         assert verdict(engine, config, given) == (Cause.NONE, index + offset)
 
 
+@pytest.mark.shows("DRV-3")
 @pytest.mark.parametrize(
     ("offset", "phases"),
     [
@@ -84,11 +86,13 @@ def test_a_neighbouring_cycle_is_acceptable_only_within_its_margin(offset, phase
             assert index == 70 + offset
 
 
+@pytest.mark.shows("DRV-3")
 @pytest.mark.parametrize(("index", "sent_in", "phase"), [(0, TOP, 0), (TOP, 0, EARLY), (0, 0, 9)])
 def test_cycles_wrap(index, sent_in, phase):
     assert checked(sent(sent_in), index, phase=phase) == (Cause.NONE, sent_in)
 
 
+@pytest.mark.shows("DRV-2", "DRV-5")
 @pytest.mark.parametrize("field", ["sequence", "image", "acknowledge", "crc"])
 def test_corruption_a_single_wrong_bit(field):
     widths = {"sequence": 32, "image": 2, "acknowledge": 2, "crc": 32}
@@ -98,16 +102,19 @@ def test_corruption_a_single_wrong_bit(field):
         assert checked(frame, 9)[0] is Cause.CORRUPTION
 
 
+@pytest.mark.shows("DRV-3", "DRV-5")
 @pytest.mark.parametrize("offset", [-2, -1, 1])
 def test_delay_a_frame_of_another_cycle_that_is_tried(offset):
     assert checked(sent(40 + offset), 40)[0] is Cause.DELAY
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize("offset", [-3, 2, 1 << 31])
 def test_a_frame_of_a_cycle_that_is_not_tried_counts_as_corrupted(offset):
     assert checked(sent(40 + offset), 40)[0] is Cause.CORRUPTION
 
 
+@pytest.mark.shows("DRV-2", "DRV-5")
 @pytest.mark.parametrize("offset", [-2, -1, 0, 1])
 def test_masquerade_a_frame_for_the_other_board(offset):
     assert checked(sent(40 + offset, board=1), 40)[0] is Cause.MASQUERADE
@@ -115,6 +122,7 @@ def test_masquerade_a_frame_for_the_other_board(offset):
     assert verdict(other, SMALL, inputs(sent(40 + offset), 40))[0] is Cause.MASQUERADE
 
 
+@pytest.mark.shows("DRV-3")
 @pytest.mark.parametrize("frame", [sent(40), sent(39), sent(40, board=1), sent(9)])
 def test_a_wrong_form_comes_first_and_then_time_that_is_not_trusted(frame):
     assert checked(frame, 40, trusted=0, malformed=1)[0] is Cause.FORMAT
@@ -134,12 +142,14 @@ def masked(index, flipped):
     return int(engine.go_on(end, given)["cause"].at(end - 1))
 
 
+@pytest.mark.shows("DRV-2")
 def test_over_32_cycles_each_bit_of_the_comparator_is_seen_to_reject():
     for index in range(1000, 1032):
         assert masked(index, 1 << index % 32) == Cause.COMPARATOR
         assert masked(index, 0) == masked(index, 1 << (index + 1) % 32) == Cause.NONE
 
 
+@pytest.mark.shows("DRV-2")
 def test_a_comparator_that_only_says_yes_accepts_nothing():
     """Which board and which cycle match does not matter: none differs."""
     engine, end = bench(), START + SMALL.check_ticks + 1
@@ -152,6 +162,7 @@ def test_a_comparator_that_only_says_yes_accepts_nothing():
         assert result["cause"].at(end - 1) == Cause.COMPARATOR
 
 
+@pytest.mark.shows("DRV-16")
 def test_a_check_that_an_upset_ends_early_accepts_nothing():
     engine, again = bench(), START + SMALL.check_ticks + 10
     first, second = inputs(sent(40), 40), inputs(sent(40), 40, start=again)
@@ -180,6 +191,7 @@ def expected(frame, index, phase, trusted, malformed):
     return Cause.MASQUERADE if any(fits(1, offset) for offset in tried) else Cause.CORRUPTION
 
 
+@pytest.mark.shows("DRV-2", "DRV-3")
 def test_random_frames_get_the_verdict_of_the_contract():
     random = Random(4)
     found = set()

@@ -70,6 +70,7 @@ def sequences(*numbers, **more):
     return list(told.values()), [int(result["lost"].at(tick)) for tick in told]
 
 
+@pytest.mark.shows("DRV-1", "DRV-5")
 def test_the_second_of_two_consecutive_frames_is_accepted_with_its_fields():
     offered = ending(50, encoded(7)) | ending(
         50 + GAP, encoded(8, INDEX, image=0b11, acknowledge=0b01)
@@ -82,6 +83,7 @@ def test_the_second_of_two_consecutive_frames_is_accepted_with_its_fields():
     assert [result[name].at(told) for name in fields] == [8, 0b11, 0b01, crc, INDEX, 0]
 
 
+@pytest.mark.shows("DRV-2")
 def test_frames_for_the_second_board_are_accepted_there():
     offered = ending(50, encoded(7, board=1)) | ending(50 + GAP, encoded(8, board=1))
     told = {50 + CHECK: "started", 50 + GAP + CHECK: "accepted"}
@@ -128,11 +130,13 @@ FORMS = {
 }
 
 
+@pytest.mark.shows("DRV-1", "DRV-2")
 @pytest.mark.parametrize(("data", "told"), FORMS.values(), ids=FORMS)
 def test_a_frame_is_told_by_its_form_and_its_check(data, told):
     assert verdicts(run(600, ending(300, data))) == {300 + CHECK: told}
 
 
+@pytest.mark.shows("DRV-1")
 @pytest.mark.parametrize("name", [name for name, (_, told) in FORMS.items() if told == "FORMAT"])
 def test_a_frame_of_wrong_form_does_not_harm_the_next_one(name):
     offered = ending(300, FORMS[name][0]) | ending(300 + GAP, good)
@@ -140,10 +144,12 @@ def test_a_frame_of_wrong_form_does_not_harm_the_next_one(name):
     assert verdicts(run(1000, offered)) == told
 
 
+@pytest.mark.shows("DRV-3")
 def test_a_frame_while_time_is_not_trusted_is_no_rejection():
     assert list(verdicts(run(600, ending(300, good), trusted={0: 0})).values()) == ["TIME"]
 
 
+@pytest.mark.shows("DRV-3")
 def test_the_own_cpus_frames_are_acceptable_by_the_margin_alone():
     offered = ending(300, encoded(7, INDEX - 1))
     margin = SMALL.margin_ticks
@@ -156,6 +162,7 @@ REFERENCED = {"lifeless": {0: 1, 2 * GAP + CHECK + 1: 0}}
 """Life begins with the second frame."""
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize("start", [7, TOP - 2, (1 << 31) - 2])
 @pytest.mark.parametrize(
     ("step", "told", "lost"),
@@ -180,6 +187,7 @@ def test_in_a_life_so_many_steps_are_accepted_as_it_has_cycles(start, step, told
     assert sequences(*numbers, then, **REFERENCED)[0][-1] == "accepted"
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize(
     ("step", "told"), [(1, "accepted"), (2, "INSERTION"), (0, "REPETITION"), (-5, "RESEQUENCE")]
 )
@@ -188,6 +196,7 @@ def test_without_life_one_step_is_accepted_and_any_good_frame_is_the_new_referen
     assert sequences(100, number, number + 1, lifeless={0: 1})[0] == ["started", told, "accepted"]
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize(
     ("ends", "told"),
     [
@@ -203,6 +212,7 @@ def test_the_end_of_a_life_ends_the_sequence(ends, told):
     assert sequences(1, 2, 3, 4, lifeless=lifeless, life_ends=pulses([ends]))[0] == told
 
 
+@pytest.mark.shows("DRV-5")
 def test_a_verdict_that_does_not_accept_does_not_keep_the_sequence_at_the_end_of_a_life():
     ends = 3 * GAP + CHECK
     lifeless = {0: 1, 2 * GAP + CHECK + 1: 0, ends + 1: 1}
@@ -269,6 +279,7 @@ def random_frames(random, count):
     return offered, causes, tick
 
 
+@pytest.mark.shows("DRV-1", "DRV-5")
 @pytest.mark.parametrize("seed", range(12))
 def test_whatever_frames_come_they_are_told_as_the_contract_says(seed):
     random = Random(seed)

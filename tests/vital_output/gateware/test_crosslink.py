@@ -13,6 +13,8 @@ from vital_output.gateware.bench import Bench, high
 from vital_output.gateware.messages import line, message, verdict_ticks
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-6")
+
 PERIOD = SMALL.link_period_ticks
 VERDICT = verdict_ticks(SMALL)
 LOST = SMALL.lost_ticks
@@ -123,6 +125,7 @@ def test_the_own_messages_that_come_back_are_not_taken():
     assert told(received(bits)) == {place: {"bad_check"} for place in range(3)}
 
 
+@pytest.mark.shows("SYS-5")
 def test_a_peer_with_another_configuration_is_not_taken():
     for bit in range(32):
         bits = numbered(4, 5, 6, digest=SMALL.digest ^ 1 << bit)
@@ -183,6 +186,7 @@ def test_messages_that_are_not_taken_do_not_keep_the_link():
     assert high(result, "lost") == [20 + PERIOD + VERDICT + LOST]
 
 
+@pytest.mark.shows("DRV-5")
 def test_a_boot_is_another_number_than_the_last_one_whether_or_not_the_link_was_lost():
     base = numbered(1, 2, boot=5)
     second = 20 + PERIOD

@@ -12,6 +12,8 @@ from railgate.vital_output.gateware.feedback import Feedback
 from vital_output.gateware.bench import Bench, high, values
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-8")
+
 LOW, HIGH, ZERO = SMALL.period_low_ticks, SMALL.period_high_ticks, SMALL.zero_ticks
 PULSE_DELAY = 3 + SMALL.feedback_filter_ticks
 CONTACT_DELAY = 3 + SMALL.contact_filter_ticks
@@ -47,6 +49,7 @@ def test_two_rises_of_0_hz_apart_are_0_hz_in_between():
     assert high(result, "fb") == [*range(101, 100 + ZERO), *range(101 + ZERO, 100 + 2 * ZERO)]
 
 
+@pytest.mark.shows("DRV-10")
 @pytest.mark.parametrize(
     ("period", "right"),
     [(LOW - 1, False), (LOW, True), (200, True), (HIGH, True), (HIGH + 1, False)],
@@ -58,11 +61,13 @@ def test_a_period_is_right_within_its_tolerance(period, right):
     assert high(result, "frequency") == expected
 
 
+@pytest.mark.shows("DRV-10")
 def test_the_frequency_is_right_from_the_second_rise_to_the_first_that_is_wrong():
     result = bench().run(2000, train(100, 300, 500, 700, 700 + LOW - 1, 1200))
     assert high(result, "frequency") == [*range(301, 700 + LOW)]
 
 
+@pytest.mark.shows("DRV-10")
 def test_a_level_that_stays_is_not_the_right_frequency_and_not_fed():
     result = bench().run(2000, {"pulse_pin": {0: 0, 50: 1}})
     assert high(result, "fb") == [*range(51 + PULSE_DELAY, 50 + PULSE_DELAY + ZERO)]

@@ -14,6 +14,8 @@ from railgate.proving.claim import Mutant
 from railgate.proving.mutation import mutated
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-16")
+
 FOLDER = "railgate.vital_output.gateware"
 CONFIG = replace(SMALL, error_interval_s=3 * SMALL.cycle_s)
 HARDENED = {

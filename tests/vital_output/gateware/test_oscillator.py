@@ -11,6 +11,8 @@ from vital_output.gateware.bench import Bench, high
 from vital_output.gateware.messages import line, message, verdict_ticks
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-17")
+
 LIMIT, WINDOW = SMALL.drift_limit_ticks, SMALL.window_messages
 VERDICT = verdict_ticks(SMALL)
 

@@ -139,11 +139,13 @@ TABLE = [
 ]
 
 
+@pytest.mark.shows("DRV-8", "DRV-9", "DRV-10", "DRV-11", "DRV-12", "DRV-18")
 @pytest.mark.parametrize(("state", "elapsed", "inputs", "expected"), TABLE)
 def test_what_follows_a_state_is_the_first_that_applies(state, elapsed, inputs, expected):
     assert after(state, elapsed, inputs) is expected
 
 
+@pytest.mark.shows("DRV-10")
 def test_left_is_forgotten_in_a_tick_without_cmd():
     entry, way = WAYS[LEFT]
     again = way | {50: {"fb": 1}, 51: {"fb": 1, "cmd": 1}}
@@ -152,6 +154,7 @@ def test_left_is_forgotten_in_a_tick_without_cmd():
     assert found[entry + SMALL.skew_ticks + 51] is IDLE
 
 
+@pytest.mark.shows("DRV-9", "DRV-10", "DRV-11")
 def test_every_state_counts_its_elapsed_anew():
     tau1 = SMALL.tau1_ticks
     steps = {10: {"cmd": 1}, 10 + tau1 - 1: {}, 20 + tau1: {"cmd": 1}}
@@ -165,6 +168,7 @@ def test_every_state_counts_its_elapsed_anew():
     }
 
 
+@pytest.mark.shows("DRV-12")
 def test_alarms_are_told_in_the_tick_before_they_are_entered():
     entry, way = WAYS[HANDSHAKE_ALARM]
     result = run(way, entry + 50)
@@ -188,6 +192,7 @@ CODES = {
 }
 
 
+@pytest.mark.shows("DRV-9", "DRV-12")
 @pytest.mark.parametrize("state", CODES)
 def test_the_peer_is_told_the_states_code_from_its_first_tick_on(state):
     entry, way = WAYS[state]
@@ -199,6 +204,7 @@ def train(start, end):
     return [tick + 1 for tick in range(start, end) if (tick - start) % PERIOD < HALF]
 
 
+@pytest.mark.shows("DRV-10")
 @pytest.mark.parametrize("leaves", [700, 12 + PERIOD, 12 + PERIOD + 1, 12 + PERIOD + HALF, 40_033])
 def test_the_train_starts_with_drive_and_ends_with_it(leaves):
     entry, way = WAYS[DRIVE]
@@ -207,6 +213,7 @@ def test_the_train_starts_with_drive_and_ends_with_it(leaves):
     assert high(result, "pulse") == train(entry, leaves)
 
 
+@pytest.mark.shows("DRV-10")
 def test_each_train_starts_anew():
     entry, way = WAYS[DRIVE]
     again = {step + 333: held for step, held in way.items()}
@@ -214,12 +221,14 @@ def test_each_train_starts_anew():
     assert high(result, "pulse") == train(entry, 301) + train(entry + 333, 700 - 1)
 
 
+@pytest.mark.shows("DRV-18")
 def test_a_test_is_a_train_too():
     entry, way = WAYS[TEST]
     result = run(way | {500: {"frequency": 1, "fb": 1}}, entry + SMALL.test_ticks + 500)
     assert high(result, "pulse") == train(entry, entry + SMALL.test_ticks)
 
 
+@pytest.mark.shows("DRV-8", "DRV-9", "DRV-11", "DRV-12")
 @pytest.mark.parametrize("state", [IDLE, PRE_DRIVE, WAIT, LEFT, HANDSHAKE_ALARM, FEEDBACK_ALARM])
 def test_no_other_state_makes_pulses(state):
     entry, way = WAYS[state]
@@ -227,6 +236,7 @@ def test_no_other_state_makes_pulses(state):
     assert not [tick for tick in pulse if tick > entry]
 
 
+@pytest.mark.shows("DRV-16")
 def test_no_pulse_is_made_while_what_all_outputs_share_is_upset():
     _, way = WAYS[DRIVE]
     result = run(way | {30: DRIVEN | {"upset": 1}, 32: DRIVEN}, 100)

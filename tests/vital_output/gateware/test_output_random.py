@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 from random import Random
 
+import pytest
+
 from railgate.vital_output.gateware.output import Output
 from railgate.vital_output.spec import Code, State
 from vital_output.gateware.bench import Bench, values
+
+pytestmark = pytest.mark.shows("DRV-8", "DRV-9", "DRV-10", "DRV-11", "DRV-12")
 
 IDLE, PRE_DRIVE, DRIVE, WAIT, TEST, HANDSHAKE_ALARM, FEEDBACK_ALARM = State
 

@@ -13,6 +13,8 @@ from railgate.vital_output.spec import State, TestPhase
 from vital_output.gateware.bench import Bench, high, values
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-18")
+
 WANTED, RUNNING, DONE, REQUESTED = TestPhase
 INPUTS = ("states", "image", "peer_ok", "peer_test", "booted", "test")
 QUIET = (State.IDLE, State.HANDSHAKE_ALARM, State.FEEDBACK_ALARM)

@@ -32,6 +32,7 @@ def first(result, tick):
     return Cause(values(result, "first_cause")[tick]), values(result, "first_output")[tick]
 
 
+@pytest.mark.shows("DRV-5")
 @pytest.mark.parametrize("name", [*COUNTED, *NAMES])
 def test_each_event_counts_by_itself_from_the_next_tick_on(name):
     result = run(20, **{name: [5, 6, 9]})
@@ -45,6 +46,7 @@ def test_counters_wrap():
     assert values(run(WRAPS + 20, upset=range(WRAPS + 3)), "upset_count")[-1] == 3
 
 
+@pytest.mark.shows("DRV-5")
 def test_lost_frames_count_with_the_frame_that_tells_them():
     result = run(20, accepted=[5, 8], lost={4: 2, 5: 2, 6: 1, 8: 1})
     counts = values(result, "lost_count")

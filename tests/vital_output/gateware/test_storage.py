@@ -49,6 +49,7 @@ def at(result, name, *ticks):
     return [held[tick - result.start] for tick in ticks]
 
 
+@pytest.mark.shows("DRV-7")
 def test_what_is_stored_has_its_whole_life():
     result = bench().run(20, stores({10: frame(image=0b10, acknowledge=0b01)}))
     for name, before, after in [
@@ -59,6 +60,7 @@ def test_what_is_stored_has_its_whole_life():
         assert at(result, name, 10, 11, 19) == [before, after, after]
 
 
+@pytest.mark.shows("DRV-7")
 def test_life_falls_with_each_cycle_that_is_decided_unstored_and_at_0_so_does_the_image():
     cycles = {20 + cycle * 10: INDEX + cycle for cycle in range(6)}
     result = bench().run(90, stores({10: frame()}) | decides(cycles))
@@ -67,6 +69,7 @@ def test_life_falls_with_each_cycle_that_is_decided_unstored_and_at_0_so_does_th
     assert high(result, "life_out") == high(result, "life_ends") == [50]
 
 
+@pytest.mark.shows("DRV-7")
 @pytest.mark.parametrize(
     ("index", "decided", "falls"),
     [
@@ -85,6 +88,7 @@ def test_a_cycle_is_in_time_while_the_stored_one_is_not_behind_it(index, decided
     assert at(result, "life", 20, 21) == [LIFE, LIFE - falls]
 
 
+@pytest.mark.shows("DRV-7")
 def test_what_is_stored_in_the_tick_of_decision_is_in_time():
     cycles = {20 + cycle: INDEX + 1 + cycle for cycle in range(LIFE)}
     last = 20 + LIFE - 1
@@ -94,6 +98,7 @@ def test_what_is_stored_in_the_tick_of_decision_is_in_time():
     assert not high(result, "life_out")
 
 
+@pytest.mark.shows("DRV-12")
 def test_an_output_is_acknowledged_by_the_rise_of_its_bit_in_what_is_stored():
     told = [ONES, 0, 0b01, 0b11, 0b11, 0b10, 0b01]
     frames = {10 + place: frame(acknowledge=bits) for place, bits in enumerate(told)}
@@ -102,6 +107,7 @@ def test_an_output_is_acknowledged_by_the_rise_of_its_bit_in_what_is_stored():
     assert rises == {12: 0b01, 13: 0b10, 16: 0b01}
 
 
+@pytest.mark.shows("DRV-7")
 def test_with_zero_at_once_a_0_of_either_frame_is_obeyed_and_a_1_is_not():
     given = stores({10: frame(), 30: frame(), 50: frame(image=0)})
     given |= events("accepted", 20, 30, 60) | events("peer_accepted", 40, 60)
@@ -114,6 +120,7 @@ def test_with_zero_at_once_a_0_of_either_frame_is_obeyed_and_a_1_is_not():
     assert at(bench().run(70, given), "image", *ticks) == [3, 3, 3, 3, 3, 3, 0, 0]
 
 
+@pytest.mark.shows("DRV-7")
 def test_zeros_of_both_frames_of_a_tick_are_obeyed():
     given = stores({10: frame()}) | events("accepted", 20) | events("peer_accepted", 20)
     given |= {"accepted_image": {0: 0b10}, "forwarded_image": {0: 0b01}}
@@ -126,6 +133,7 @@ def latched(rejections, decisions=(), **more):
     return bench(LATCHING).run(100, given | more)
 
 
+@pytest.mark.shows("DRV-15")
 def test_a_second_rejection_inside_the_interval_latches_and_forces_0():
     result = latched([10, 20, 30], decisions=[12, 14])
     assert high(result, "latches") == [20]
@@ -134,6 +142,7 @@ def test_a_second_rejection_inside_the_interval_latches_and_forces_0():
     assert at(result, "life", 21) == [LIFE]
 
 
+@pytest.mark.shows("DRV-15")
 def test_the_interval_ends_with_its_last_decision():
     assert not high(latched([10, 20], decisions=[12, 14, 16]), "latched")
     assert high(latched([10, 20], decisions=[12, 14, 20]), "latches") == [20]
@@ -142,6 +151,7 @@ def test_the_interval_ends_with_its_last_decision():
     assert high(latched([10, 20, 30], decisions=[12, 14, 16, 22, 24]), "latches") == [30]
 
 
+@pytest.mark.shows("DRV-15")
 def test_while_it_is_latched_what_is_stored_does_not_drive():
     stored = stores({5: frame(), 30: frame(), 40: frame(acknowledge=0b10), 50: frame()})
     result = latched([10, 20], **stored)
@@ -150,6 +160,7 @@ def test_while_it_is_latched_what_is_stored_does_not_drive():
     assert high(result, "latched") == [*range(21, 41)]
 
 
+@pytest.mark.shows("DRV-15")
 def test_a_rejection_in_the_tick_of_the_acknowledgement_latches_anew():
     stored = stores({5: frame(), 40: frame(acknowledge=0b10)})
     result = latched([10, 20, 40], **stored)
@@ -158,12 +169,14 @@ def test_a_rejection_in_the_tick_of_the_acknowledgement_latches_anew():
     assert at(result, "image", 41) == [0]
 
 
+@pytest.mark.shows("DRV-15")
 def test_without_an_error_interval_nothing_latches():
     result = bench().run(100, events("rejected", *range(10, 20)))
     assert not high(result, "latched")
     assert not high(result, "latches")
 
 
+@pytest.mark.shows("DRV-5")
 def test_an_output_is_blocked_until_a_live_0_and_again_when_the_peer_has_started_anew():
     given = stores({10: frame(image=0b10), 30: frame(image=0), 50: frame(image=0b01)})
     given |= events("booted", 20, 40)
@@ -172,6 +185,7 @@ def test_an_output_is_blocked_until_a_live_0_and_again_when_the_peer_has_started
     assert at(result, "blocked", 40, 41, 42, 51, 52) == [0, 3, 0, 0, 0]
 
 
+@pytest.mark.shows("DRV-5")
 def test_an_image_without_life_unblocks_nothing():
     assert values(bench().run(30, {}), "blocked") == [ONES] * 30
     cycles = {11 + cycle: INDEX + 1 + cycle for cycle in range(LIFE)}
@@ -191,6 +205,7 @@ COPIES = [
 ]
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize(("register", "held", "copy", "bit"), COPIES)
 def test_each_bit_of_either_copy_is_told_when_it_is_upset(register, held, copy, bit):
     storage = bench(LATCHING)
@@ -200,6 +215,7 @@ def test_each_bit_of_either_copy_is_told_when_it_is_upset(register, held, copy, 
     assert high(storage.go_on(40, given), "error") == [20]
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize("stored_at", [10, 20])
 def test_an_upset_ends_life_and_image_whatever_is_stored(stored_at):
     given = stores({stored_at: frame()}) | events("upset", 20)
@@ -209,6 +225,7 @@ def test_an_upset_ends_life_and_image_whatever_is_stored(stored_at):
     assert not high(result, "life_out")
 
 
+@pytest.mark.shows("DRV-16")
 def test_an_upset_unblocks_nothing():
     given = stores({10: frame()}) | events("upset", 20)
     storage = bench()
@@ -217,6 +234,7 @@ def test_an_upset_unblocks_nothing():
     assert at(storage.go_on(40, given), "blocked", 20, 21, 39) == [ONES] * 3
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize("again", [20, 40])
 def test_an_upset_interval_begins_anew_and_is_not_over(again):
     storage = bench(LATCHING)

@@ -13,6 +13,8 @@ from vital_output.gateware.bench import Bench, pulses, values
 from vital_output.gateware.slots import slots
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-5", "DRV-7", "DRV-15")
+
 LIFE = SMALL.life_cycles
 ONES = (1 << SMALL.outputs) - 1
 INTERVAL = 3

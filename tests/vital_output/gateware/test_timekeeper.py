@@ -13,6 +13,8 @@ from railgate.vital_output.gateware.timekeeper import Timekeeper
 from vital_output.gateware.bench import Bench, high, pulses, values
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-3")
+
 CYCLE, SLEW, MARGIN = SMALL.cycle_ticks, SMALL.slew_ticks, SMALL.margin_ticks
 TOP = (1 << 32) - 1
 
@@ -154,6 +156,7 @@ def test_a_good_update_in_the_tick_in_which_the_last_cycle_ends_wins():
     assert result["trusted"].ticks.tolist() == [0, 10]
 
 
+@pytest.mark.shows("DRV-7")
 def test_each_cycle_has_one_tick_of_decision():
     result = run(3 * CYCLE, {0: (7, 0)})
     decides = SMALL.margin_ticks + SMALL.tau0_ticks + SMALL.latency_ticks

@@ -13,6 +13,8 @@ from vital_output.gateware.bench import Bench, pulses, values
 from vital_output.gateware.messages import levelled, line, message
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-6")
+
 PERIOD = SMALL.link_period_ticks
 
 

@@ -13,6 +13,8 @@ from vital_output.gateware.bench import Bench, high, pulses, values
 from vital_output.gateware.slots import FIELDS, slots
 from vital_output.small import SMALL
 
+pytestmark = pytest.mark.shows("DRV-6")
+
 TAU0 = SMALL.tau0_ticks
 TOP = (1 << 32) - 1
 INDEX, SEQUENCE = 700, 41
@@ -236,6 +238,7 @@ def test_random_frames_have_the_fate_of_the_contract(seed):
         assert len(ticks_of) > 10
 
 
+@pytest.mark.shows("DRV-16")
 @pytest.mark.parametrize("copy", ["value_copy", "inverse_copy"])
 @pytest.mark.parametrize("bit", range(TAU0.bit_length()))
 def test_an_upset_of_the_window_is_told_and_closes_it(copy, bit):

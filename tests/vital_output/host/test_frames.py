@@ -32,6 +32,7 @@ def octets_crc(polynomial: int, data: bytes) -> int:
     return int(found)
 
 
+@pytest.mark.shows("DRV-1")
 @given(st.sampled_from(CONFIGS), st.integers(0, 1), words, words, st.data())
 def test_a_frame_is_the_layouts(
     config: Config, board: int, time: int, sequence: int, data: st.DataObject
@@ -45,6 +46,7 @@ def test_a_frame_is_the_layouts(
     assert fields == {**told, "crc": config.layout.crc(config.boards[board], time, told)}
 
 
+@pytest.mark.shows("DRV-4")
 @given(st.binary(max_size=40), words.map(lambda polynomial: polynomial | 1))
 def test_the_crc_is_amaranths(data: bytes, polynomial: int) -> None:
     algorithm = Algorithm(
@@ -58,6 +60,7 @@ def test_the_crc_is_amaranths(data: bytes, polynomial: int) -> None:
     assert octets_crc(polynomial, data) == algorithm(8).compute(data)
 
 
+@pytest.mark.shows("DRV-4")
 @given(st.binary(max_size=40))
 def test_with_ethernets_polynomial_it_is_zlibs_but_for_the_order_of_bits(data: bytes) -> None:
     def mirrored(number: int, width: int) -> int:
@@ -67,6 +70,7 @@ def test_with_ethernets_polynomial_it_is_zlibs_but_for_the_order_of_bits(data: b
     assert octets_crc(0x04C1_1DB7, data) == mirrored(zlib.crc32(reflected) ^ 0xFFFF_FFFF, 32)
 
 
+@pytest.mark.shows("DRV-1")
 def test_a_frame_of_requirement_drv_1_byte_by_byte() -> None:
     """Its CRC, bit by bit, is over the words 56410001, 00000007, 01020304, 8001, 0002."""
     frame = encode(DEFAULT, 0, 7, 0x0102_0304, 0x8001, 2)
@@ -79,6 +83,7 @@ def test_a_frame_of_requirement_drv_1_byte_by_byte() -> None:
     assert int.from_bytes(frame[8:], "big") == register
 
 
+@pytest.mark.shows("DRV-1")
 def test_time_and_sequence_wrap() -> None:
     assert encode(DEFAULT, 0, 1 << 32, (1 << 32) + 5, 1) == encode(DEFAULT, 0, 0, 5, 1)
     assert encode(DEFAULT, 0, -1, -1, 1) == encode(DEFAULT, 0, (1 << 32) - 1, (1 << 32) - 1, 1)

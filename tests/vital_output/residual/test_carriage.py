@@ -71,6 +71,7 @@ def test_syndromes_are_what_each_bit_on_ethernet_adds_to_both_real_checks(config
     assert sorted(carriage.around.tolist()) == sorted(fcs)
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.parametrize("config", [DEFAULT, ALIKE])
 def test_an_error_equal_to_the_generator_passes_the_fcs_but_as_bytes_are_sent_no_crc(
     config: Config,
@@ -83,6 +84,7 @@ def test_an_error_equal_to_the_generator_passes_the_fcs_but_as_bytes_are_sent_no
     assert (passing, len(wrong)) == carriages(layout)[0].generators == (0, 64)
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.parametrize(("config", "passing"), [(DEFAULT, 0), (ALIKE, 64)])
 def test_were_bits_sent_as_the_crc_takes_them_it_would_pass_both_of_the_same_polynomial(
     config: Config, passing: int
@@ -114,6 +116,7 @@ def test_as_bytes_are_sent_a_burst_of_29_bits_passes_the_crc_and_is_found_by_the
     assert _fcs_amiss(wrong) != 0
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.parametrize("outputs", [1, 16, 17, 64])
 def test_only_the_same_polynomial_in_the_same_order_is_no_second_check(outputs: int) -> None:
     ranks = {

@@ -49,6 +49,7 @@ def test_the_published_hamming_distances_of_small_crcs_are_found(width: int, koo
     assert tuple(reach) == published
 
 
+@pytest.mark.shows("DRV-4")
 def test_ethernets_polynomial_has_the_published_distances() -> None:
     long = distances(few(ETHERNET, 4, 2975 + 32))
     assert long[32 + 1 : 32 + 2975].min() == 5 == long[32 + 2974]
@@ -59,12 +60,14 @@ def test_ethernets_polynomial_has_the_published_distances() -> None:
     assert distances(few(ETHERNET, 7, 92 + 32))[32 + 91 :].tolist() == [8, 7]
 
 
+@pytest.mark.shows("DRV-4")
 def test_the_default_polynomial_has_a_distance_of_8_up_to_274_data_bits_and_no_further() -> None:
     found = distances(few(CASTAGNOLI, 7, 275 + 32))
     assert set(found[33 : 32 + 275]) == {8}
     assert found[32 + 275] == 6
 
 
+@pytest.mark.shows("DRV-4")
 def test_at_275_data_bits_the_real_check_lets_an_error_of_6_bits_pass() -> None:
     check = Config().layout.check
     powers = [1 << k if k < 32 else CASTAGNOLI.of(1 << k - 32, k - 31) for k in range(307)]
@@ -97,6 +100,7 @@ def _passing_the_real_check(config: Config, errors: int, length: int) -> int:
     return count
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.parametrize(("errors", "length"), [(1, 160), (2, 160), (3, 96)])
 def test_no_error_of_up_to_3_bits_passes_the_real_check(errors: int, length: int) -> None:
     config = Config()
@@ -104,6 +108,7 @@ def test_no_error_of_up_to_3_bits_passes_the_real_check(errors: int, length: int
     assert passing(config.layout.check, errors, length)[length] == 0
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.slow
 @pytest.mark.parametrize("polynomial", [0xF4AC_FB13, 0x04C1_1DB7])
 def test_nor_does_one_of_3_bits_with_board_and_time(polynomial: int) -> None:

@@ -64,6 +64,7 @@ def test_no_burst_of_that_length_passes_and_one_that_is_longer_does(
     assert (length == 8) == (order == 1)
 
 
+@pytest.mark.shows("DRV-4")
 @pytest.mark.parametrize("outputs", [1, 16, 64])
 @pytest.mark.parametrize("polynomial", POLYNOMIALS)
 def test_every_burst_of_32_bits_is_detected_wherever_it_lies(polynomial: int, outputs: int) -> None:

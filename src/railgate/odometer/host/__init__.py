@@ -1,6 +1,8 @@
 """The odometer's host side: registers to speed, direction and distance, in engineering units."""
 
 from railgate.odometer.host.bounds import interval_bounds_s, period_bounds_kmh, phase_bounds_deg
+from railgate.odometer.host.calibration import calibrate
+from railgate.odometer.host.diameter import WheelRecord, read_wheel, write_wheel
 from railgate.odometer.host.estimators import (
     MEAN,
     MIDDLE,
@@ -27,7 +29,8 @@ from railgate.odometer.host.readout import (
     stamps,
     window_edges,
 )
-from railgate.odometer.host.tracking import Axle, Train, TrainSpeed
+from railgate.odometer.host.tracking import Axle
+from railgate.odometer.host.train import Rolling, Train, TrainState, Verdict
 from railgate.odometer.host.wheel import ESTIMATORS, Wheel
 
 __all__ = [
@@ -39,13 +42,17 @@ __all__ = [
     "Axle",
     "Counts",
     "Estimate",
+    "Rolling",
     "Scale",
     "Snapshot",
     "Stamps",
     "Train",
-    "TrainSpeed",
+    "TrainState",
+    "Verdict",
     "Wheel",
+    "WheelRecord",
     "between",
+    "calibrate",
     "direction",
     "distance_m",
     "feasible",
@@ -57,8 +64,10 @@ __all__ = [
     "phase_bounds_deg",
     "phase_deg",
     "present",
+    "read_wheel",
     "reciprocal",
     "snapshots",
     "stamps",
     "window_edges",
+    "write_wheel",
 ]

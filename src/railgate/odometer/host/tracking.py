@@ -1,4 +1,4 @@
-"""From snapshot to snapshot: an axle's and the train's speed, when edges cease too (ODO-11).
+"""From snapshot to snapshot: the train's speed as one axle tells it, when edges cease too (ODO-11).
 
 Every strobe leaves an axle an interval of speed. Within ±acceleration_max it moves to the next
 strobe, where it meets what the registers say by then:
@@ -16,14 +16,13 @@ A wheel on its way back to the train's speed is taken for the train once it fits
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from railgate.odometer.host.estimators import PRESENT, Estimate, Scale, present
 from railgate.odometer.host.readout import Snapshot, between
 from railgate.odometer.spec import Assumptions, Config
 
-__all__ = ["STANDSTILL_S", "Axle", "Train", "TrainSpeed"]
+__all__ = ["STANDSTILL_S", "Axle"]
 
 STANDSTILL_S = 2.0
 
@@ -101,51 +100,4 @@ class Axle:
             of=PRESENT,
             rests_on=(*now.rests_on, *further),
             flags=(flag,),
-        )
-
-
-@dataclass(frozen=True)
-class TrainSpeed:
-    """The train's speed at a strobe, km/h.
-
-    low_kmh rests on one axle not spinning, high_kmh on one axle not sliding, or, where all are
-    flagged `slide_or_lost`, on the train braking at acceleration_max. standstill: every one of at
-    least two axles is still, and none of them was lost on the way. axles: each by itself.
-    """
-
-    low_kmh: float
-    high_kmh: float
-    standstill: bool
-    axles: tuple[Estimate, ...]
-
-
-class Train:
-    """A train of one or more axles, strobe by strobe. Parameters as of Axle."""
-
-    def __init__(
-        self,
-        config: Config,
-        assumptions: Assumptions,
-        axles: int = 2,
-        standstill_s: float = STANDSTILL_S,
-    ) -> None:
-        if axles < 1:
-            raise ValueError(f"axles must be at least 1, not {axles}")
-        self.axles = tuple(Axle(config, assumptions, standstill_s) for _ in range(axles))
-
-    def update(self, snapshots: Sequence[Snapshot]) -> TrainSpeed:
-        """The train's speed at a strobe, from one snapshot of each axle, all of that strobe."""
-        if len(snapshots) != len(self.axles):
-            raise ValueError(
-                f"a strobe needs {len(self.axles)} snapshots, one an axle, not {len(snapshots)}"
-            )
-        if len({snapshot.time for snapshot in snapshots}) > 1:
-            raise ValueError("the axles' snapshots must be of one strobe, not of several")
-        told = tuple(axle.update(shot) for axle, shot in zip(self.axles, snapshots, strict=True))
-        still = [e.flags == ("wheel_standstill",) for e in told]
-        return TrainSpeed(
-            low_kmh=min(e.low_kmh for e in told),
-            high_kmh=max(e.high_kmh for e in told),
-            standstill=len(still) > 1 and all(still),
-            axles=told,
         )

@@ -5,7 +5,7 @@
   const root = document.documentElement;
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const faint = (name, part) => `color-mix(in srgb, ${colour(name)} ${part}%, transparent)`;
-  const LANE = 27, LABEL = 12, LEAST_S = 0.2;
+  const LANE = 30, LABEL = 13, LEAST_S = 0.2;
   const plots = [];
 
   const figure = (name) => document.getElementById(name);
@@ -29,7 +29,7 @@
     grid: { stroke: () => colour("line"), width: 1 }, ticks: { show: false }, ...more,
   });
   const seconds = (u, values, _, __, step) =>
-    values.map((t) => t.toFixed(step < 0.01 ? 3 : step < 0.1 ? 2 : step < 1 ? 1 : 0));
+    values.map((t) => t.toFixed((String(step).split(".")[1] ?? "").length));
   const options = (place, height, more) => ({
     width: width(place), height, padding: [8, 12, 0, 0],
     cursor: { sync: { key: "run", scales: ["x", null] }, drag: { x: true, y: false }, points: { size: 6 }, y: false },
@@ -46,10 +46,9 @@
     ({ label, stroke: () => colour(name), width: 1.3, points: { show: false }, value: number(digits), ...more });
   const interval = (digits) => [
     line("FPGA 1 at least", "blue", digits, { width: 0.8 }), line("at most", "blue", digits, { width: 0.8 }),
-    line("FPGA 2 at least", "orange", digits, { width: 0.8 }), line("at most", "orange", digits, { width: 0.8 }),
+    line("FPGA 2 at least", "orange", digits, { dash: [5, 5] }), line("at most", "orange", digits, { dash: [5, 5] }),
   ];
-  const bands = (first) => [["blue", 0], ["orange", 2]].map(([name, at]) =>
-    ({ series: [first + at + 1, first + at], fill: () => faint(name, 22) }));
+  const bands = [{ series: [2, 1], fill: () => faint("blue", 18) }];
   const ends = (chart) => ["low 1", "high 1", "low 2", "high 2"].map((name) => chart[name]);
   const add = (place, opts, data) => plots.push([place, new uPlot(opts, data, place)]);
 
@@ -58,17 +57,16 @@
     add(place, options(place, height, more), [told.times, ...columns]);
   };
   lines("speed", 260, [...ends(told.speed), told.speed.truth], {
-    series: [...interval(2), line("the truth", "ink", 2, { width: 1.6 })], bands: bands(1),
+    series: [...interval(2), line("the truth", "ink", 2, { width: 1.6 })], bands,
   });
   lines("around", 200, [...ends(told.around)], {
-    series: interval(3), bands: bands(1),
-    scales: { y: { range: (u, low, high) => [Math.max(low ?? 0, -told.cut), Math.min(high ?? 0, told.cut)] } },
+    series: interval(3), bands,
+    scales: { y: { range: (u, low, high) => [Math.max(low ?? 0, -told.cut) * 1.06, Math.min(high ?? 0, told.cut) * 1.06] } },
   });
-  const between = "low 1" in told.way;
-  lines("way", 200, [...(between ? ends(told.way) : []), told.way["error 1"], told.way["error 2"]], {
-    series: [...(between ? interval(3) : []), line("FPGA 1", "blue", 3, { width: 1.6 }),
+  lines("way", 220, [...ends(told.way), told.way["error 1"], told.way["error 2"]], {
+    series: [...interval(3), line("FPGA 1", "blue", 3, { width: 1.6 }),
       line("FPGA 2", "orange", 3, { width: 1.6, dash: [6, 4] })],
-    bands: between ? bands(1) : [],
+    bands,
   });
 
   // The lanes: a label above each, the spans below it, what it is under the cursor beside the label.
@@ -84,7 +82,7 @@
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
     told.lanes.forEach((lane, i) => {
-      const top = bbox.top + (i * LANE + LABEL + 1) * scale, height = (LANE - LABEL - 6) * scale;
+      const top = bbox.top + (i * LANE + LABEL) * scale, height = (LANE - LABEL - 7) * scale;
       ctx.fillStyle = colour("line");
       ctx.fillRect(bbox.left, top + height / 2, bbox.width, 1);
       for (const [start, end, , tone] of lane.spans) {
@@ -110,7 +108,7 @@
   };
   add(place, options(place, told.lanes.length * LANE + 40, {
     series: [], scales: { y: { range: [0, 1] } }, axis: { values: () => [], grid: { show: false } },
-    hooks: { draw: [draw], ready: [label], setCursor: [tell] },
+    hooks: { draw: [draw], init: [label], setCursor: [tell] },
   }), [[0, told.seconds]]);
 
   // Zooming: all charts by one of them. Dragging is the plots' own, and so is the double click.

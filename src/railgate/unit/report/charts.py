@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from railgate.unit.report.envelope import Envelope
 from railgate.unit.report.lanes import lanes
 from railgate.unit.result import Result
+from railgate.unit.run import Cycles
 
 __all__ = ["charts"]
 
 POINTS = 6_000
 """Of a line: what a wide screen cannot show all of."""
-CUT_PERCENT = 97
-"""The chart of what is around the truth is cut where so many of the cycles are inside."""
+MOST_CYCLES, BEYOND = 95, 3.0
+"""Percent of the cycles that the chart about the truth has room for, so many times over: one cycle
+may have an interval that would make a line of all others."""
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +31,9 @@ def charts(result: Result) -> dict[str, Any]:
     cycles = run.cycles
     short = Envelope.of(cycles.times_s.size, POINTS)
     shown = lanes(result)
-    around, cut = _around(result, short)
+    around, cut = _around(cycles, short)
+    way = (cycles.place_m - run.scenario.route.start_m)[:, None]
+    error = cycles.way_m - way
     return {
         "seconds": float(run.scenario.seconds),
         "each": short.each,
@@ -40,7 +44,10 @@ def charts(result: Result) -> dict[str, Any]:
         },
         "around": around,
         "cut": cut,
-        "way": _way(result, short),
+        "way": {
+            **{f"error {fpga}": _numbers(short.line(error[:, fpga - 1]), 4) for fpga in (1, 2)},
+            **_interval(short, cycles.way_low_m - way, cycles.way_high_m - way, 4),
+        },
         "faults": [span for lane in shown if lane.name.startswith("fault") for span in lane.spans],
         "lanes": [vars(lane) for lane in shown],
     }
@@ -55,20 +62,14 @@ def _interval(short: Envelope, low: Floats, high: Floats, digits: int) -> dict[s
     return found
 
 
-def _around(result: Result, short: Envelope) -> tuple[dict[str, Any], float]:
-    """The speed's interval less the true speed."""
-    cycles = result.run.cycles
+def _around(cycles: Cycles, short: Envelope) -> tuple[dict[str, Any], float]:
+    """The speed's interval less the true speed, and how far it reaches."""
     true = cycles.speed_kmh[:, None]
     low, high = cycles.low_kmh - true, cycles.high_kmh - true
-    off = np.abs(np.concatenate([low, high]))
-    off = off[np.isfinite(off)]
-    cut = float(np.percentile(off, CUT_PERCENT)) if off.size else 1.0
+    reach = np.abs(np.concatenate([low, high]))
+    reach = reach[np.isfinite(reach)]
+    cut = min(reach.max(), BEYOND * float(np.percentile(reach, MOST_CYCLES)))
     return _interval(short, low, high, 4), max(cut, 0.01)
-
-
-def _way(result: Result, short: Envelope) -> dict[str, Any]:
-    error = result.way_error_m
-    return {f"error {fpga}": _numbers(short.line(error[:, fpga - 1]), 4) for fpga in (1, 2)}
 
 
 def _numbers(values: Floats, digits: int) -> list[float | None]:
@@ -76,4 +77,5 @@ def _numbers(values: Floats, digits: int) -> list[float | None]:
     found: list[float | None] = np.round(values, digits).tolist()
     if np.isfinite(values).all():
         return found
-    return [value if finite else None for value, finite in zip(found, np.isfinite(values), strict=True)]
+    there = np.isfinite(values).tolist()
+    return [value if is_there else None for value, is_there in zip(found, there, strict=True)]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railgate.odometer.host import Verdict
 from railgate.position_link.spec import Health, Status
 from railgate.unit.result import Result
 from railgate.unit.route import Side
@@ -52,6 +53,11 @@ STATUSES: Look = {
 STANDS: Look = {1: ("standstill", "blue")}
 COMMANDED: Look = {1: ("release commanded", "ink")}
 CLOSED: Look = {1: ("closed: doors released", "ink")}
+VERDICTS: Look = {
+    Verdict.SLIPPING: ("slips", "amber"),
+    Verdict.SLIDING: ("slides", "violet"),
+    Verdict.LOST: ("lost", "red"),
+}
 OUTSIDE: Look = {1: ("the true speed is outside", "red")}
 
 
@@ -109,6 +115,10 @@ def _odometers(result: Result) -> Iterator[Lane]:
     for fpga in (1, 2):
         spans = _spans(cycles.times_s, cycles.stands[:, fpga - 1], end, STANDS)
         yield Lane(f"odometer {fpga}", "moves", spans)
+        for axle in range(cycles.verdicts.shape[2]):
+            spans = _spans(cycles.times_s, cycles.verdicts[:, fpga - 1, axle], end, VERDICTS)
+            if spans:
+                yield Lane(f"odometer {fpga}, axle {axle + 1}", "rolls", spans)
         if result.outside[:, fpga - 1].any():
             spans = _spans(cycles.times_s, result.outside[:, fpga - 1], end, OUTSIDE)
             yield Lane(f"odometer {fpga}, speed's interval", "holds", spans)
@@ -142,9 +152,7 @@ def _spans(times: NDArray[np.float64], values: NDArray[Any], end: float, look: L
     starts, kinds = times[turns], values[turns].astype(np.int64)
     ends = np.append(starts[1:], end)
     keep = np.isin(kinds, list(look)) & (ends > starts)
-    found = list(
-        zip(starts[keep].tolist(), ends[keep].tolist(), kinds[keep].tolist(), strict=True)
-    )
+    found = list(zip(starts[keep].tolist(), ends[keep].tolist(), kinds[keep].tolist(), strict=True))
     if len(found) > MOST:
         found = _coarser(found, end)
     return [(start, stop, *look[kind]) for start, stop, kind in found]

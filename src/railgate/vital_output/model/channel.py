@@ -43,7 +43,7 @@ def begin(limit: Any, c: Any, domain: Any, tick: int) -> None:
     c.now = limit.blank
     c.now.zero = c.origin = c.due = c.drive_due = tick
     c.latch, c.boot = tick + FIRST_MESSAGE - LATCH, domain.held[BOOT]
-    c.begun = c.twice = c.bytes = c.sends = c.receiving = 0
+    c.begun = c.twice = c.bytes = c.sends = c.settled = c.receiving = 0
     c.toggle = c.arrival = FAR
     for sender in range(2):
         s = c.senders[sender]
@@ -219,8 +219,10 @@ def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int) -> None:
         accepted, rejected = told(limit, c)
     if held[VALID] and tick >= was.verdict_tick:
         take_byte(limit, c, held[PAYLOAD], tick)
+    whole = tick == c.arrival
     if receive(limit, c, tick):
         taken, booted = take(limit, c, tick)
+    c.heard = whole and taken
     lose(limit, c, tick, taken)
     forwarded = tick == was.forward_tick
     peer_accepted = forwarded and was.forward_verdict == GOOD
@@ -240,4 +242,6 @@ def tick_of_channel(limit: Any, c: Any, domain: Any, tick: int) -> None:
     show(limit, c, tick)
     if moved or unsettled(was, c.now):
         c.drive_due = tick + 1
+    c.renewed = moved or accepted or was.passed != c.now.passed
+    c.renewed |= was.test_phase != c.now.test_phase
     c.due = schedule(limit, c, domain, tick)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgate.vital_output.model.records import SENT
 from railgate.vital_output.spec import Config, State
 
-__all__ = ["FIRST_MESSAGE", "LATCH", "latch", "read", "resume", "send"]
+__all__ = ["FIRST_MESSAGE", "LATCH", "begins_after", "latch", "read", "resume", "send"]
 
 PRE_DRIVE, DRIVE = int(State.PRE_DRIVE), int(State.DRIVE)
 HANDSHAKE_ALARM, FEEDBACK_ALARM = int(State.HANDSHAKE_ALARM), int(State.FEEDBACK_ALARM)
@@ -26,6 +26,12 @@ CODES, CARRIES, PASSED = (FIELDS.index(name) for name in ("codes", "carries", "p
 SEQUENCE, IMAGE, ACKNOWLEDGE = (FIELDS.index(n) for n in ("sequence", "image", "acknowledge"))
 FRAME_CRC, CRC = FIELDS.index("frame_crc"), FIELDS.index("crc")
 CRC_BITS = 32
+
+
+@njit(nogil=True)
+def begins_after(limit: Any, c: Any, s: Any, number: int) -> int:
+    """The tick after which a message begins at a sender's end."""
+    return c.origin + FIRST_MESSAGE - 1 + s.delay + number * limit.link_period_ticks
 
 
 @njit(nogil=True)
@@ -119,16 +125,14 @@ def send(limit: Any, c: Any, s: Any) -> None:
     if s.bit > last:
         s.bit = 0
         s.number += 1
-    begin = c.origin + FIRST_MESSAGE - 1 + s.number * limit.link_period_ticks
-    s.next = begin + s.delay + s.bit * limit.bit_ticks
+    s.next = begins_after(limit, c, s, s.number) + s.bit * limit.bit_ticks
 
 
 @njit(nogil=True)
 def resume(limit: Any, c: Any, s: Any, tick: int) -> None:
     """A sender is as if it had sent all that is due before this tick."""
-    first = c.origin + FIRST_MESSAGE - 1 + s.delay
-    s.number, s.bit = max(0, (tick - 1 - first) // limit.link_period_ticks), 0
-    s.level = 1
-    s.next = first + s.number * limit.link_period_ticks
+    since = tick - 1 - begins_after(limit, c, s, 0)
+    s.number, s.bit, s.level = max(0, since // limit.link_period_ticks), 0, 1
+    s.next = begins_after(limit, c, s, s.number)
     while s.next < tick:
         send(limit, c, s)

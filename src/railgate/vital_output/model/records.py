@@ -108,7 +108,7 @@ CHANNEL = record(
     "board base looped origin time due drive_due latch toggle causes boot "
     "begun twice bytes sends receiving begins got arrival counted "
     "pulses still ceased feedback contact line feedback_pin contact_pin link_pin "
-    "drawn restful leapable readable news",
+    "drawn restful leapable readable news heard renewed settled repeating",
     ("now", REGISTERS),
     ("was", REGISTERS),
     ("incoming", MESSAGE),
@@ -140,7 +140,9 @@ are followed edge by edge; restful: but for steady ones. leapable: the relays al
 train alive; readable: the peer always reads an undisturbed message. senders: for link_tx, and for
 the line; sent: the messages that may be on their way, each at its number modulo SENT. shown: what
 the signals are from `time` on; news: some may have changed; logged: what they were before; wanted:
-those that are asked for.
+those that are asked for. heard: in this tick a message is taken that has come as a whole; renewed:
+in this tick changes what messages tell; settled: the first message that tells all that the later
+ones will, as long as nothing changes; repeating: messages are leapt over.
 """
 
 DOMAIN = record(

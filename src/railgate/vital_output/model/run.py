@@ -16,6 +16,7 @@ from railgate.vital_output.model.log import LOG_ROOM, note_down
 from railgate.vital_output.model.messages import latch, resume, send
 from railgate.vital_output.model.records import FAR, INPUTS, NONE, places
 from railgate.vital_output.model.relays import begin_relays, halt_relays, tick_of_relays
+from railgate.vital_output.model.repeats import catch_up, renew, repeat
 from railgate.vital_output.model.resting import cease, disturb, turn_pulses
 from railgate.vital_output.model.trains import reckon
 from railgate.vital_output.model.wires import (
@@ -181,6 +182,7 @@ def act_channel(st: Any, limit: Any, d: int) -> None:
     if domain.resetting:
         return
     if tick == c.latch:
+        catch_up(st, limit, d, tick - 1)
         latch(limit, c)
     if tick == c.toggle:
         turn_pulses(st, limit, d, tick)
@@ -193,6 +195,10 @@ def act_channel(st: Any, limit: Any, d: int) -> None:
         tick_of_channel(limit, c, domain, tick)
         if c.ceased:
             cease(st, limit, d, tick)
+        if c.renewed:
+            renew(st, limit, d, tick)
+        if c.heard:
+            repeat(st, limit, 1 - d)
 
 
 @njit(nogil=True)

@@ -20,6 +20,7 @@ __all__ = [
     "RELAYS",
     "ROGUES",
     "STUCK",
+    "complete",
     "feed",
     "go_out",
     "label",
@@ -109,6 +110,12 @@ def wire(st: Any, limit: Any, d: int, level: int, time: int) -> None:
 
 
 @njit(nogil=True)
+def complete(limit: Any, tick: int) -> int:
+    """In which tick an undisturbed message is there whose beginning is at the pin in `tick`."""
+    return complete_tick(limit, tick + limit.input_stages + limit.link_filter_ticks)
+
+
+@njit(nogil=True)
 def whole(st: Any, limit: Any, d: int, message: Any) -> bool:
     """Whether the message that begins now comes in undisturbed: then it does as a whole.
 
@@ -124,10 +131,9 @@ def whole(st: Any, limit: Any, d: int, message: Any) -> bool:
         return False
     if held[FLIP] or held[LOW] or held[HIGH] or not peer.line:
         return False
-    n = sampled(clock, c.time)
-    tick = n - domain.skipped + limit.input_stages + limit.link_filter_ticks
-    arrival = complete_tick(limit, tick)
-    ticks = arrival + domain.skipped - n + 2 * limit.bit_ticks + SLACK
+    tick = label(st, 1 - d, c.time)
+    arrival = complete(limit, tick)
+    ticks = arrival - tick + 2 * limit.bit_ticks + SLACK
     if st.calm <= c.time + ticks * (clock.whole + 1):
         return False
     peer.incoming, peer.arrival = message, arrival

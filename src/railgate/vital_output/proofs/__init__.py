@@ -1,24 +1,25 @@
-"""What is proven of the vital output's gateware.
-
-Not yet among them, since their mutants are not all rejected or their depth is not settled:
-`checking` (a frame's check) and `together` (two channels, on `pair`).
-"""
+"""What is proven of the vital output's gateware."""
 
 from railgate.proving import Claim
 from railgate.vital_output.proofs import (
     agreement,
+    beside,
+    checking,
     clocks,
     commands,
     driving,
     life,
     output,
     timekeeping,
+    together,
+    upsets,
     voting,
 )
 
 __all__ = ["CLAIMS"]
 
 CLAIMS: tuple[Claim, ...] = (
+    *checking.CLAIMS,
     *commands.CLAIMS,
     *timekeeping.CLAIMS,
     *voting.CLAIMS,
@@ -26,5 +27,8 @@ CLAIMS: tuple[Claim, ...] = (
     *agreement.CLAIMS,
     *output.CLAIMS,
     *driving.CLAIMS,
+    *upsets.CLAIMS,
     *clocks.CLAIMS,
+    *beside.CLAIMS,
+    *together.CLAIMS,
 )

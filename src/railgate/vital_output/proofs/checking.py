@@ -7,7 +7,8 @@ from functools import reduce
 from operator import or_
 from unittest.mock import patch
 
-from amaranth.hdl import Array, Cat, Const, Module, Mux, Signal, Value
+from amaranth.hdl import Array, Cat, Const, Elaboratable, Module, Mux, Signal, Value
+from amaranth.lib.crc import Processor
 
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Run
 from railgate.vital_output.proofs.stimuli import Step, mutant, trace
@@ -32,6 +33,7 @@ INPUTS = {
     "index": 32,
     "trusted": 1,
     "phase": (CONFIG.cycle_ticks + CONFIG.slew_ticks - 1).bit_length(),
+    "wrong": 32,
 }
 
 
@@ -46,12 +48,26 @@ class _Table:
         return reduce(or_, (Mux(index == n, value, 0) for n, value in enumerate(self._values)))
 
 
-class _Check(Monitor):
-    """Bytes, comparisons and verdict of a check as the contract has them. The CRC is what the
-    engine holds after the bytes of a run.
+class _Wrong(Elaboratable):
+    """A CRC engine of whose result these bits are wrong."""
 
-    Assumed is that a check begins only when there is none, and that of the boards and cycles tried
-    one at most gives the frame's CRC: so it is, since a CRC is linear.
+    def __init__(self, engine: Processor, wrong: Value) -> None:
+        self._engine, self._wrong = engine, wrong
+        self.start, self.data, self.valid = engine.start, engine.data, engine.valid
+        self.crc = Signal.like(engine.crc)
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        m.submodules.engine = self._engine
+        m.d.comb += self.crc.eq(self._engine.crc ^ self._wrong)
+        return m
+
+
+class _Check(Monitor):
+    """Bytes, comparisons and verdict of a check as the contract has them.
+
+    wrong: in, 32 bits, of the CRC that the comparator sees these are wrong: so it may tell anything
+    at any time. Assumed is that a check begins only when there is none.
     """
 
     def __init__(self) -> None:
@@ -67,9 +83,15 @@ class _Check(Monitor):
     def elaborate(self, _platform: object) -> Module:
         from railgate.vital_output.gateware import check
 
+        wrong = self.wrong
+
+        class Faulty(check.FrameCheck):
+            def _processor(self) -> _Wrong:
+                return _Wrong(super()._processor(), wrong)
+
         m = Module()
         with patch.object(check, "Array", _Table):
-            inner = Internals(dut := check.FrameCheck(CONFIG, 0, CONFIG.margin_ticks))
+            inner = Internals(dut := Faulty(CONFIG, 0, CONFIG.margin_ticks))
         m.submodules.dut = inner
         for name in (*FIELDS, "crc", "malformed"):
             m.d.comb += getattr(dut.frame, name).eq(getattr(self, name))
@@ -77,7 +99,7 @@ class _Check(Monitor):
             m.d.comb += getattr(dut, name).eq(getattr(self, name))
         self._times(m)
 
-        index = (self.index_0 + Mux(self.equal[1], 0, Mux(self.equal[2], -1, 1)))[:32]
+        index = (self.index_0 + 1 - self.equal[1] - 2 * self.equal[2])[:32]
         acceptable = (self.equal[0] & self.early) | self.equal[1] | (self.equal[2] & self.late)
         board, time = self._tried(index)
         byte, first, feeds = Signal(8), Signal(), Signal()
@@ -107,11 +129,8 @@ class _Check(Monitor):
         cause = Mux(self.malformed_0, Cause.FORMAT, Mux(self.trusted_0, verdict, Cause.TIME))
         good = self.left == 1
         busy = self.left != 0
-        tried = self.equal[:-1]
         m.d.comb += [
-            self.assumed.eq(
-                ~(self.start & (self.left > 1)) & ((tried & (tried - 1)[: len(tried)]) == 0)
-            ),
+            self.assumed.eq(~(self.start & (self.left > 1))),
             self.lemma.times.eq(
                 (inner["until_done.remaining"] == self.left)
                 & (self.left == Mux(busy, CONFIG.check_ticks - self.run * COVERED - self.at, 0))
@@ -211,7 +230,8 @@ class _Check(Monitor):
 
 
 def _checks() -> Trace:
-    """Frames of the own board and the other one, of several cycles, and one that is none."""
+    """Frames of the own board and the other one, of several cycles, one that is none, one without
+    a time to trust, and one with whose mask the comparator does not differ."""
     layout, steps = CONFIG.layout, list[Step]()
     values = {"sequence": 0x0123_4567, "image": 0x89AB, "acknowledge": 0x4242}
     late, early = {"phase": 5}, {"phase": CONFIG.cycle_ticks - 5}
@@ -228,6 +248,11 @@ def _checks() -> Trace:
         crc = layout.crc(CONFIG.boards[board], index - ago, values)
         told = {"start": 1, "trusted": 1, "index": index, "crc": crc, "phase": 500_000}
         steps += [(1, told | values | beside), (CONFIG.check_ticks, {})]
+    crc = layout.crc(CONFIG.boards[0], 1027, values)
+    told = {"start": 1, "trusted": 1, "index": 1027, "crc": crc, "phase": 500_000}
+    masked = COVERED + SETTLED - KEPT
+    steps += [(1, told | values), (CONFIG.check_ticks - masked, {})]
+    steps += [(masked, {"wrong": 1 << 1027 % 32}), (2, {})]
     return trace(INPUTS, steps)
 
 
@@ -245,16 +270,23 @@ CLAIMS = (
             "For ever and for any frame and time, a check feeds its CRC engine with the frame's "
             "bytes behind each ID and cycle of the contract, byte by byte, at last behind the mask "
             "number index mod 32 and the index that was right; and its verdict, check_ticks after "
-            "its start, is the contract's: good only if in this very check the comparator has told "
-            "equality for the own board and an acceptable index, and inequality with the mask "
-            "(default configuration). The engine itself is amaranth.lib.crc's; that a mask changes "
-            "just its bit of the CRC is shown by the specification's tests."
+            "its start, is the contract's, whatever the comparator tells: good only if in this "
+            "very check it has told equality for the own board and an acceptable index, and "
+            "inequality with the mask (default configuration). The engine itself is "
+            "amaranth.lib.crc's; that a mask changes just its bit of the CRC is shown by the "
+            "specification's tests, that no frame is one for the other board at a time near by, by "
+            "the validation of board IDs, which tries all differences."
         ),
         requirements=("DRV-2", "DRV-3"),
         monitor=_Check,
         method=Induction(),
         cover=CHECKS,
         mutants=(
+            _mutant(
+                "mask-unseen",
+                "with m.Elif(acceptable & matches[2 * tried]):",
+                "with m.Elif(acceptable & matches[2 * tried] & ~trusted):",
+            ),
             _mutant("16-masks", "masks[self.good_index[:5]]", "masks[self.good_index[:4]]"),
             _mutant("a-bit-not-compared", "(crc.crc == wanted)", "(crc.crc[1:] == wanted[1:])"),
             _mutant("early-at-any-time", "(matches[0] & early)", "matches[0]"),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from hashlib import sha256
 from math import ceil, floor
 
+from railgate.digest import digest
 from railgate.field import Field
 from railgate.vital_output.spec.frame import Layout, mask
 from railgate.vital_output.spec.states import status_fields
@@ -105,9 +105,8 @@ class Config:
 
     @cached_property
     def digest(self) -> int:
-        """32 bits of a SHA-256 over all of the configuration (SYS-5)."""
-        told = ";".join(f"{field.name}={getattr(self, field.name)}" for field in fields(self))
-        return int.from_bytes(sha256(told.encode()).digest()[:4], "big")
+        """Of all of the configuration (SYS-5)."""
+        return digest(self)
 
     @property
     def cycle_ticks(self) -> int:

@@ -1,0 +1,91 @@
+"""Parts of the pages that are made from the code when the site is built, each a directive.
+
+A part is Markdown, or HTML in a Markdown fence, that a function makes from the code as it is, so
+that no table of ports, registers, limits or figures is written a second time (SYS-1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+from sphinx.util.typing import ExtensionMetadata
+
+from railgate.registers.export import c_header, html, systemrdl
+from railgate.unit.config import Unit
+from railgate.unit.registers import registers
+from sheets.accuracy import estimators, periods, phases
+from sheets.commands import helps
+from sheets.configuration import configuration, derived
+from sheets.evidence import bounded, claimed, required
+from sheets.faults import found, found_on_line
+from sheets.layers import contracts, layers
+from sheets.ports import ports
+from sheets.registers import blocks, map_of
+from sheets.resources import resources
+from sheets.scenarios import scenarios
+from sheets.timing import timing
+
+__all__ = ["PARTS", "setup"]
+
+Maker = Callable[[str], str]
+"""Makes Markdown of a directive's argument."""
+
+PARTS: Mapping[str, Maker] = {
+    "ports": ports,
+    "registers": blocks,
+    "map": map_of,
+    "configuration": configuration,
+    "derived": derived,
+    "claims": claimed,
+    "bounded": bounded,
+    "requirements": required,
+    "scenarios": scenarios,
+    "help": helps,
+    "phases": phases,
+    "periods": periods,
+    "estimators": estimators,
+    "faults": found,
+    "line-faults": found_on_line,
+    "resources": resources,
+    "layers": layers,
+    "contracts": contracts,
+    "timing": timing,
+}
+
+
+class Part(SphinxDirective):
+    """Stands for what its maker makes, as if it were written in the page."""
+
+    optional_arguments = 1
+    final_argument_whitespace = True
+    make: Maker
+
+    def run(self) -> list[nodes.Node]:
+        """The nodes of the Markdown. A ValueError of the maker ends the build."""
+        argument = self.arguments[0] if self.arguments else ""
+        return self.parse_text_to_nodes(type(self).make(argument), offset=self.content_offset)
+
+
+def setup(app: Sphinx) -> ExtensionMetadata:
+    """Register the parts, and the exports of the register maps beside the pages."""
+    for name, maker in PARTS.items():
+        app.add_directive(name, type(name.title(), (Part,), {"make": staticmethod(maker)}))
+    app.connect("build-finished", _exports)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def _exports(app: Sphinx, error: Exception | None) -> None:
+    """SystemRDL, C header and PeakRDL's pages of both FPGAs, in `maps`."""
+    if error or app.builder.name != "html":
+        return
+    folder = Path(app.outdir) / "maps"
+    folder.mkdir(exist_ok=True)
+    for fpga in (1, 2):
+        exported = registers(Unit(), fpga)
+        (folder / f"fpga_{fpga}.rdl").write_text(systemrdl(exported), encoding="utf-8")
+        c_header(exported, folder / f"fpga_{fpga}.h")
+        html(exported, folder / f"fpga_{fpga}")

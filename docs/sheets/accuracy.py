@@ -1,0 +1,71 @@
+"""What a measurement of the odometer is good for, by the host's own functions and by runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from railgate.odometer.host import ESTIMATORS, interval_bounds_s, period_bounds_kmh, phase_bounds_deg
+from railgate.odometer.plant import Sensor, constant
+from railgate.odometer.simulate import simulate
+from railgate.odometer.spec import Assumptions, Config
+from sheets.markdown import table
+
+__all__ = ["estimators", "periods", "phases"]
+
+FREQUENCIES_KHZ = (Fraction(1, 10), *map(Fraction, (1, 2, 4, 6)))
+"""Those of the source's table 1."""
+SPEEDS_KMH = (1, 5, 20, 80, 200)
+SECONDS = 4.0
+EXACT = Assumptions(crystal_ppm=0)
+"""The tick alone."""
+
+
+def phases(_: str) -> str:
+    """The source's table 1: where each measured T, Δt and φ lies at a phase of 90°."""
+    config = Config()
+    rows = []
+    for kilohertz in FREQUENCIES_KHZ:
+        period = 1 / (1000 * kilohertz)
+        times = (interval_bounds_s(seconds, config) for seconds in (period, period / 4))
+        told = [" … ".join(f"{float(end) * 1e6:.4f}" for end in ends) for ends in times]
+        low, high = phase_bounds_deg(1000 * kilohertz, config)
+        rows.append((f"{float(kilohertz):g}", *told, f"{float(low):.3f} … {float(high):.3f}"))
+    return table(("frequency, kHz", "T, µs", "Δt, µs", "φ, degrees"), rows)
+
+
+def periods(_: str) -> str:
+    """Where the speed from one period lies, by the tick alone, at constant true speeds."""
+    config = Config()
+    rows = []
+    for speed in SPEEDS_KMH:
+        low, high = period_bounds_kmh(speed, config)
+        hertz = config.clock_hz / config.period_ticks(speed)
+        rows.append((f"{speed}", f"{hertz:.1f}", f"{low:.4f} … {high:.4f}", f"{high - low:.2g}"))
+    return table(("speed, km/h", "pulses, Hz", "one period says, km/h", "width, km/h"), rows)
+
+
+def estimators(_: str) -> str:
+    """Runs of the model at constant speeds: how wide each estimator's guaranteed interval is."""
+    told = [list(_widths(name)) for name in ESTIMATORS]
+    rows = [
+        (f"{speed}", *(f"{of[n]:.2g}" for of in told)) for n, speed in enumerate(SPEEDS_KMH)
+    ]
+    return table(("speed, km/h", *(f"`{name}`" for name in ESTIMATORS)), rows)
+
+
+def _widths(estimator: str) -> Iterator[float]:
+    """The mean width of the intervals at each speed, of windows with a measurement, km/h."""
+    for speed in SPEEDS_KMH:
+        run = simulate(
+            constant(speed, SECONDS), Sensor(), Config(sensors=1), estimator=estimator,
+            assumptions=EXACT,
+        )
+        if run.truth_outside:
+            raise ValueError(f"the truth must lie inside every interval, not outside {estimator}'s")
+        widths = [
+            w.speed_high_kmh - w.speed_low_kmh
+            for w in run.windows[2:]
+            if w.speed_kmh is not None and w.speed_high_kmh is not None
+        ]
+        yield sum(widths) / len(widths)

@@ -1,0 +1,41 @@
+"""Markdown as makers write it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+
+__all__ = ["code", "html", "number", "table"]
+
+BACKQUOTES = "`" * 5
+"""More than any text has."""
+NARROW = "\N{NARROW NO-BREAK SPACE}"
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table; cells are Markdown of one line."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", r"\|")
+
+
+def code(text: str, language: str = "text") -> str:
+    """A block of text as it is."""
+    return f"{BACKQUOTES}{language}\n{text}\n{BACKQUOTES}\n"
+
+
+def html(text: str) -> str:
+    """HTML as it is."""
+    return f"{BACKQUOTES}{{raw}} html\n{text}\n{BACKQUOTES}\n"
+
+
+def number(value: object) -> str:
+    """A number as a person writes it: whole ones in groups of three digits."""
+    if isinstance(value, bool) or not isinstance(value, int | float | Fraction):
+        return str(value)
+    if value == int(value):
+        return f"{int(value):,}".replace(",", NARROW)
+    return f"{float(value):.7g}"

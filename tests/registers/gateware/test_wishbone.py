@@ -1,0 +1,7 @@
+"""The bridge from Wishbone, by an outside judge: cocotbext-wishbone in Verilator."""
+
+from registers.gateware.judged import judge
+
+
+def test_cocotbexts_master_finds_nothing_wrong():
+    judge("registers.gateware.judges.wishbone")

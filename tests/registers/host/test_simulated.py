@@ -1,0 +1,140 @@
+"""Buses over simulations: the same driver reads the same of gateware with its bank and of a model.
+
+Written from one another by nobody: the bank as a model against the bank as gateware.
+"""
+
+from fractions import Fraction
+
+import pytest
+
+from railgate.engines import Clock, Design, open_engine
+from railgate.odometer.device import OdometerDevice
+from railgate.position_link.device import LinkDevice
+from railgate.position_link.host import deliveries
+from railgate.registers.host import AccessError, ModelledBus, Running, SimulatedBus
+from railgate.vital_output.device import ChannelDevice
+from registers.host.designs import ALONE, CHANNEL, LINK, ODOMETER, PINS, line, mapped
+from registers.maps import every_kind
+
+
+def gateware(function: str, engine: str = "pysim") -> tuple[Running, SimulatedBus]:
+    design, block = mapped(function)
+    running = Running(design, engine, PINS[function]() if function in PINS else None)
+    return running, SimulatedBus(running, block.size)
+
+
+def model(function: str, engine: str = "leap") -> tuple[Running, ModelledBus]:
+    design, block = ALONE[function]
+    running = Running(design, engine, PINS[function]() if function in PINS else None)
+    return running, ModelledBus(block, running)
+
+
+@pytest.mark.shows("SYS-1", "ODO-6", "ODO-7")
+@pytest.mark.parametrize("engine", ["leap", "pysim"])
+def test_an_odometers_snapshots_are_the_same_through_the_bank_and_its_model(engine) -> None:
+    real, bus = gateware("odometer")
+    modelled, twin = model("odometer", engine)
+    device, other = (OdometerDevice(each, ODOMETER) for each in (bus, twin))
+    for each in (device, other):
+        each.registers.require_same()
+    for gap in (1, 700, 3000):
+        real.run({}, gap, [])
+        shots = device.snapshots()
+        twin.run(shots[0].time - modelled.now)
+        assert other.snapshots() == shots
+        assert device.snapshots(again=True) == other.snapshots(again=True) == shots
+    assert shots[0].number == 3
+    assert shots[0].pulses > 10
+    device.strobe()
+    again = device.snapshots(again=True)
+    assert again[0].number == 4
+    twin.run(again[0].time - modelled.now)
+    other.strobe()
+    assert other.snapshots(again=True) == again
+
+
+@pytest.mark.shows("SYS-1", "LNK-7")
+def test_a_links_deliveries_and_causes_are_the_same_through_the_bank_and_its_model() -> None:
+    real, bus = gateware("position_link")
+    modelled, twin = model("position_link")
+    device, other = (LinkDevice(each, LINK) for each in (bus, twin))
+    assert device.delivery() is other.delivery() is None
+    pins = line()
+    there = deliveries(open_engine(ALONE["position_link"][0], "leap").advance(pins.end, pins), LINK)
+    causes = []
+    for cycle in range(1, 10):
+        for running, run in ((real, lambda n: real.run({}, n, [])), (modelled, twin.run)):
+            run((cycle - 1) * LINK.cycle_ticks + LINK.delivery_ticks + 10 - running.now)
+        told = device.delivery()
+        assert told == there[cycle - 1]
+        assert other.delivery() == device.delivery(again=True) == told
+        seen = device.seen(clear=cycle % 2 == 0)
+        assert other.seen(clear=cycle % 2 == 0) == seen
+        causes.append(seen)
+    assert causes[1:7] == [(), ("check",), ("check",), (), ("timeout",), ("timeout",)]
+
+
+@pytest.mark.shows("SYS-1")
+def test_a_channels_status_and_test_are_the_same_through_the_bank_and_its_model() -> None:
+    real, bus = gateware("vital_output")
+    modelled, twin = model("vital_output")
+    device, other = (ChannelDevice(each, CHANNEL) for each in (bus, twin))
+    first = device.status()
+    assert other.status() == first
+    for each in (device, other):
+        each.registers.require_same()
+        each.test()
+    for gap in (10, 900):
+        real.run({}, gap, [])
+        twin.run(real.now - modelled.now)
+        assert other.status() == device.status()
+        assert other.seen() == device.seen()
+
+
+@pytest.mark.parametrize("make", [gateware, model])
+def test_what_is_not_there_is_refused_with_its_address(make) -> None:
+    _, bus = make("position_link")
+    end = ALONE["position_link"][1].words * 4
+    for access, address in (
+        (lambda: bus.read(end), end),
+        (lambda: bus.read(end - 4, 2), end),
+        (lambda: bus.read(1 << 20), 1 << 20),
+        (lambda: bus.write(0, [1]), 0),
+        (lambda: bus.write(8, [1, 0]), 12),
+    ):
+        with pytest.raises(AccessError) as refused:
+            access()
+        assert refused.value.address == address
+
+
+def test_the_end_of_the_pins_is_told() -> None:
+    running, bus = model("odometer")
+    left = running.steps(Fraction(running.left_s))
+    bus.run(left + 100)
+    assert running.left_s == 0
+    with pytest.raises(ValueError, match="the simulation of odometer is at its end"):
+        bus.read(0xC)
+
+
+def test_a_step_is_from_edge_to_edge_of_its_own_clock() -> None:
+    """With two clocks, of which one has a phase, time is in femtoseconds."""
+    alone, block = mapped("position_link")
+    clocks = (
+        Clock(frequency_hz=Fraction(3_000_000), phase=Fraction(1, 3), ppm=Fraction(40)),
+        Clock(frequency_hz=Fraction(7_000_000), domain="other"),
+    )
+    running = Running(Design(name="two-clocks", component=alone.component, clocks=clocks), "pysim")
+    device = LinkDevice(SimulatedBus(running, block.size), LINK)
+    device.registers.require_same()
+    one, other = mapped("position_link")
+    plain = Running(one, "pysim")
+    assert LinkDevice(SimulatedBus(plain, other.size), LINK).delivery() == device.delivery()
+    period = 1 / (3_000_000 * (1 + Fraction(40, 1_000_000)))
+    assert running.steps(Fraction(1, 1000)) == 3001
+    assert running.now * Fraction(1, 10**15) >= plain.now * period
+
+
+def test_only_what_functions_declare_can_be_modelled() -> None:
+    (block,) = every_kind().blocks.values()
+    with pytest.raises(ValueError, match="events must be as functions have it, to be modelled"):
+        ModelledBus(block, model("odometer")[0])
