@@ -7,20 +7,17 @@ that no table of ports, registers, limits or figures is written a second time (S
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.typing import ExtensionMetadata
 
-from railgate.registers.export import c_header, html, systemrdl
-from railgate.unit.config import Unit
-from railgate.unit.registers import registers
 from sheets.accuracy import estimators, periods, phases
 from sheets.commands import helps
 from sheets.configuration import configuration, derived
 from sheets.evidence import bounded, claimed, required
+from sheets.exports import maps
 from sheets.faults import found, found_on_line
 from sheets.layers import contracts, layers
 from sheets.ports import ports
@@ -74,18 +71,5 @@ def setup(app: Sphinx) -> ExtensionMetadata:
     """Register the parts, and the exports of the register maps beside the pages."""
     for name, maker in PARTS.items():
         app.add_directive(name, type(name.title(), (Part,), {"make": staticmethod(maker)}))
-    app.connect("build-finished", _exports)
+    app.connect("build-finished", maps)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
-
-
-def _exports(app: Sphinx, error: Exception | None) -> None:
-    """SystemRDL, C header and PeakRDL's pages of both FPGAs, in `maps`."""
-    if error or app.builder.name != "html":
-        return
-    folder = Path(app.outdir) / "maps"
-    folder.mkdir(exist_ok=True)
-    for fpga in (1, 2):
-        exported = registers(Unit(), fpga)
-        (folder / f"fpga_{fpga}.rdl").write_text(systemrdl(exported), encoding="utf-8")
-        c_header(exported, folder / f"fpga_{fpga}.h")
-        html(exported, folder / f"fpga_{fpga}")

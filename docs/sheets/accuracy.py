@@ -9,7 +9,7 @@ from railgate.odometer.host import ESTIMATORS, interval_bounds_s, period_bounds_
 from railgate.odometer.plant import Sensor, constant
 from railgate.odometer.simulate import simulate
 from railgate.odometer.spec import Assumptions, Config
-from sheets.markdown import table
+from sheets.markdown import between, small, table
 
 __all__ = ["estimators", "periods", "phases"]
 
@@ -28,9 +28,9 @@ def phases(_: str) -> str:
     for kilohertz in FREQUENCIES_KHZ:
         period = 1 / (1000 * kilohertz)
         times = (interval_bounds_s(seconds, config) for seconds in (period, period / 4))
-        told = [" … ".join(f"{float(end) * 1e6:.4f}" for end in ends) for ends in times]
+        told = [between(*(f"{float(end) * 1e6:.4f}" for end in ends)) for ends in times]
         low, high = phase_bounds_deg(1000 * kilohertz, config)
-        rows.append((f"{float(kilohertz):g}", *told, f"{float(low):.3f} … {float(high):.3f}"))
+        rows.append((f"{float(kilohertz):g}", *told, between(f"{float(low):.3f}", f"{float(high):.3f}")))
     return table(("frequency, kHz", "T, µs", "Δt, µs", "φ, degrees"), rows)
 
 
@@ -41,16 +41,15 @@ def periods(_: str) -> str:
     for speed in SPEEDS_KMH:
         low, high = period_bounds_kmh(speed, config)
         hertz = config.clock_hz / config.period_ticks(speed)
-        rows.append((f"{speed}", f"{hertz:.1f}", f"{low:.4f} … {high:.4f}", f"{high - low:.2g}"))
+        says = between(f"{low:.4f}", f"{high:.4f}")
+        rows.append((f"{speed}", f"{hertz:.1f}", says, small(high - low)))
     return table(("speed, km/h", "pulses, Hz", "one period says, km/h", "width, km/h"), rows)
 
 
 def estimators(_: str) -> str:
     """Runs of the model at constant speeds: how wide each estimator's guaranteed interval is."""
     told = [list(_widths(name)) for name in ESTIMATORS]
-    rows = [
-        (f"{speed}", *(f"{of[n]:.2g}" for of in told)) for n, speed in enumerate(SPEEDS_KMH)
-    ]
+    rows = [(f"{speed}", *(small(of[n]) for of in told)) for n, speed in enumerate(SPEEDS_KMH)]
     return table(("speed, km/h", *(f"`{name}`" for name in ESTIMATORS)), rows)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from railgate.odometer.host import Rolling
 from railgate.odometer.spec import Assumptions
 from sheets.functions import FUNCTIONS
-from sheets.markdown import number, table
+from sheets.markdown import between, number, table
 from sheets.told import told
 
 __all__ = ["configuration", "derived"]
@@ -57,7 +57,7 @@ def _limits(config: Any, name: str) -> str:
     except ValueError as error:
         found = LIMITS.match(str(error))
         if found and found[1] == name:
-            return " … ".join(number(Fraction(limit)) for limit in found.groups()[1:])
+            return between(*(number(Fraction(limit)) for limit in found.groups()[1:]))
     return ""
 
 

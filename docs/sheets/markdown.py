@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-__all__ = ["code", "html", "number", "table"]
+__all__ = ["between", "code", "html", "number", "small", "table"]
 
 BACKQUOTES = "`" * 5
 """More than any text has."""
-NARROW = "\N{NARROW NO-BREAK SPACE}"
+NARROW, WIDE = "\N{NARROW NO-BREAK SPACE}", "\N{NO-BREAK SPACE}"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -39,3 +40,14 @@ def number(value: object) -> str:
     if value == int(value):
         return f"{int(value):,}".replace(",", NARROW)
     return f"{float(value):.7g}"
+
+
+def small(value: float) -> str:
+    """A number to two digits; a very small one by a power of ten."""
+    digits, _, exponent = f"{value:.2g}".partition("e")
+    return f"{digits}·10{str(int(exponent)).translate(RAISED)}" if exponent else digits
+
+
+def between(low: str, high: str) -> str:
+    """A range, which no line breaks."""
+    return f"{low}{WIDE}…{WIDE}{high}"

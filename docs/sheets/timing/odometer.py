@@ -97,6 +97,6 @@ def reversal() -> Diagram:
         title="Odometer: a wheel that comes to rest and turns back; the position rules",
         lanes=lanes,
         tick_s=TICK_S,
-        start=round(0.15 / TICK_S),
-        end=round(0.3 / TICK_S),
+        start=round(0.19 / TICK_S),
+        end=round(0.28 / TICK_S),
     )

@@ -11,10 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from railgate.attach.board import find
-from railgate.attach.simulation import SimulatedFpga
 from railgate.registers.host import Bus, UartBus
 from railgate.unit.config import UNITS, Unit
-from railgate.unit.scenario_file import builtin, builtins, read_scenario
 
 __all__ = ["Live", "on_port", "on_simulation", "readings"]
 
@@ -47,12 +45,16 @@ def on_port(port: str, baud: int, unit: str) -> Iterator[Live]:
 def on_simulation(scenario: str, skip: Fraction, *, paced: bool) -> Live:
     """FPGA 1 in a scenario, built in or a file, `skip` seconds after its beginning. paced: it is
     no faster than real time. Raises ValueError."""
+    # Here, since a board needs neither engines nor scenarios.
+    from railgate.attach.simulation import SimulatedFpga
+    from railgate.unit.scenario_file import builtin, builtins, read_scenario
+
     told = builtin(scenario) if scenario in builtins() else read_scenario(Path(scenario))
     bus = SimulatedFpga(told)
     if skip and not bus.run(skip):
         raise ValueError(
-            f"{scenario} must last longer than what is skipped, {float(skip):g} s, "
-            f"not {float(told.seconds):g} s"
+            f"--skip must leave something of {scenario}'s {float(told.seconds):g} s, "
+            f"not be {float(skip):g} s"
         )
 
     def wait(seconds: Fraction) -> bool:

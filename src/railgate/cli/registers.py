@@ -44,5 +44,7 @@ def registers_(
         raise ValueError(f"--format {format} needs --out, where it is written")
     elif format == "c-header":
         c_header(map_, out)
+        print(f"wrote {out}")
     else:
         html(map_, out)
+        print(f"wrote {out / 'index.html'}")

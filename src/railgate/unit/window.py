@@ -27,7 +27,7 @@ from railgate.vital_output.situations import ready_s
 from railgate.vital_output.spec import Config as VitalConfig
 from railgate.waves import Trace
 
-__all__ = ["Replayed", "replay"]
+__all__ = ["Case", "Replayed", "cases", "compared", "replay"]
 
 SENSOR_LEAD_S = Fraction(1, 4)
 """The odometer's: some windows between strobes."""
@@ -54,7 +54,7 @@ class Replayed:
 
 
 @dataclass(frozen=True)
-class _Case:
+class Case:
     """A function from its start on. design, stimulus: with tick 0 there. warm_s: when that is."""
 
     function: str
@@ -79,19 +79,22 @@ def replay(
         )
     if engine == "leap":
         raise ValueError("a window must be replayed on another engine than leap")
-    return [_compared(case, engine, progress) for case in _cases(run, span)]
+    return [compared(case, engine, progress) for case in cases(run, span)]
 
 
-def _compared(case: _Case, name: str, progress: Callable[[str, float], None] | None) -> Replayed:
+def compared(
+    case: Case, engine: str, progress: Callable[[str, float], None] | None = None
+) -> Replayed:
+    """One function on leap and on another engine, to its end or to the first difference."""
     engines: tuple[Engine, ...] = (
         open_engine(case.design, "leap"),
-        open_engine(case.design, name),
+        open_engine(case.design, engine),
     )
     end = case.stimulus.end
     ends = [-(-end * n // PARTS) for n in range(1, PARTS + 1)]
     difference = None
     for n, until in enumerate(ends, 1):
-        leap, other = (engine.advance(until, case.stimulus) for engine in engines)
+        leap, other = (each.advance(until, case.stimulus) for each in engines)
         difference = leap.first_difference(other)
         if progress:
             progress(case.function, n / PARTS)
@@ -102,32 +105,36 @@ def _compared(case: _Case, name: str, progress: Callable[[str, float], None] | N
     )
 
 
-def _cases(run: Run, span: Span) -> Iterator[_Case]:
+def cases(run: Run, span: Span) -> Iterator[Case]:
+    """Every function warmed up for a window of the run: both odometers, the link, both channels."""
     unit, scenario = run.scenario.config, run.scenario
     for fpga, odometer in enumerate(run.odometers, 1):
         hz = unit.odometer.clock_hz * rate(scenario, fpga)
         warm = floor(max(span[0] - SENSOR_LEAD_S, Fraction(0)) * hz)
         part = odometer.stimulus.slice(warm, floor(span[1] * hz)).shift(-warm)
         name = f"odometer of FPGA {fpga}"
-        yield _Case(name, odometer_design(unit.odometer), part, warm / hz, part.end)
+        yield Case(name, odometer_design(unit.odometer), part, warm / hz, part.end)
     hz = unit.link.clock_hz * rate(scenario, 1)
     cycle = unit.link.cycle_ticks
     warm = max(floor(span[0] * hz) // cycle - LINK_LEAD_CYCLES, 0) * cycle
     part = run.link.stimulus.slice(warm, floor(span[1] * hz)).shift(-warm)
-    yield _Case("position link", link_design(unit.link), part, warm / hz, part.end)
+    yield Case("position link", link_design(unit.link), part, warm / hz, part.end)
     yield _vital(run.vital.scenario, unit.vital, span)
 
 
-def _vital(scenario: VitalScenario, config: VitalConfig, span: Span) -> _Case:
+def _vital(scenario: VitalScenario, config: VitalConfig, span: Span) -> Case:
     lead = ready_s(config) + VITAL_LEAD_CYCLES * config.cycle_s
     skipped = max(floor((span[0] - lead) / config.cycle_s), 0)
     start = skipped * config.cycle_s
     later = _later(scenario, config, skipped) if skipped else scenario
-    later = replace(later, seconds=span[1] - start)
+    seconds = span[1] - start
+    faults = tuple(fault for fault in later.faults if fault.start_s < seconds)
+    tests = tuple(at for at in later.tests_s if at < seconds)
+    later = replace(later, seconds=seconds, faults=faults, tests_s=tests)
     stimulus = later.controls(config)
     design = loop(config, later.relay, later.clocks(config))
     ticks = sum(int(later.seconds / clock.period) for clock in design.clocks)
-    return _Case("vital output", design, stimulus, start, ticks)
+    return Case("vital output", design, stimulus, start, ticks)
 
 
 def _later(scenario: VitalScenario, config: VitalConfig, skipped: int) -> VitalScenario:

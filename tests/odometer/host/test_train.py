@@ -217,7 +217,7 @@ def test_with_tooth_error_it_takes_some_windows_and_with_creep_a_share_of_the_sp
     assert max(slow_slip(200, 0.1, 0.001, 0.0, seed)[0] for seed in range(8)) <= 3
     assert 4 <= max(slow_slip(200, 0.1, 0.01, 0.0, seed)[0] for seed in range(8)) <= 8
     windows = slow_slip(200, 0.1, 0.0, 0.001, 1)[0]
-    assert windows * WINDOW_S == pytest.approx(4 * 0.001 * 55.6 / 0.1, abs=0.1)
+    assert windows * WINDOW_S == pytest.approx(4 * 0.001 * 55.6 / 0.1, rel=0.2)
 
 
 # Each inequality
@@ -276,8 +276,11 @@ def test_wheels_beyond_their_records_are_told_by_their_ratio() -> None:
 
 def test_while_both_axles_slide_the_bounds_follow_the_train_and_the_interval_grows() -> None:
     train = line((0, 100), (5, 100), (15, 72), (25, 72))
-    slid = [(0, 100), (5, 100), (6, 60), (12, 40), (13, 77.6), (15, 72), (25, 72)]
-    trip = ride(train, line(*slid), line(*((t + 0.04 * (5 < t < 15), v) for t, v in slid)))
+    slid = line((0, 100), (5, 100), (6, 60), (12, 40), (13, 77.6), (15, 72), (25, 72))
+    other = line(
+        (0, 100), (5, 100), (5.1, 99.72), (6, 65), (12, 38), (13.3, 76.76), (15, 72), (25, 72)
+    )
+    trip = ride(train, slid, other)
     times, told = follow(trip)
     assert not outside(trip, times, told).any()
     free = (verdicts(told) != ADHERING).all(axis=1)
@@ -293,9 +296,8 @@ def test_while_both_axles_slide_the_bounds_follow_the_train_and_the_interval_gro
 
 def test_where_both_axles_lock_the_bounds_fall_as_assumed() -> None:
     """Wheels locked from 5 s on, the train braking at a_max all the while, rolling again at 9 s."""
-    braked = 80 - 3.6 * 1.5 * 4
-    train = line((0, 80), (5, 80), (9, braked), (12, braked))
-    wheel = line((0, 80), (5, 80), (5.001, 0), (9, 0), (9.001, braked), (12, braked))
+    train = line((0, 80), (5, 80), (10, 53), (13, 53))
+    wheel = line((0, 80), (5, 80), (5.001, 0), (9, 0), (9.001, 58.3946), (10, 53), (13, 53))
     trip = ride(train, wheel, wheel)
     for rise in (0.0, -1.5):
         times, told = follow(trip, Rolling(slide_rise=rise))
@@ -311,14 +313,11 @@ def test_where_both_axles_lock_the_bounds_fall_as_assumed() -> None:
 
 def test_one_axle_is_taken_at_the_age_at_which_a_slide_would_have_been_found() -> None:
     """The only axle slides: unknown for some windows, in which the truth is inside all the same."""
-    train = line((0, 90), (4, 90), (8, 90))
-    wheel = line((0, 90), (4, 90), (5, 81), (6, 81))
-    wheel = Profile(np.append(wheel.times_s, 8), np.append(wheel.speeds_m_s, 81 / 3.6))
-    trip = ride(train, wheel)
+    trip = ride(line((0, 90), (7, 90)), line((0, 90), (4, 90), (7, 90 - 3 * 3.6 * 1.62)))
     times, told = follow(trip, tooth=TOOTH)
-    assert not outside(trip, times, told)[times < 5].any()
+    assert not outside(trip, times, told).any()
     _, bold = follow(trip, Rolling(confirm_s=0), tooth=TOOTH)
-    assert outside(trip, times, bold)[times < 5].any()
+    assert outside(trip, times, bold)[(times > 4) & (times < 4.2)].any()
     wide, fine = (s[150].speed_high_kmh - s[150].speed_low_kmh for s in (told, bold))
     assert wide - fine == pytest.approx(2 * 3.6 * 1.5 * 0.1, rel=0.1)
 
@@ -370,7 +369,7 @@ def test_both_bounds_hold_all_the_way_also_backwards_and_where_replies_are_lost(
     assert not outside(trip, times, told).any()
     assert not verdicts(told).any()
     width = np.array([s.speed_high_kmh - s.speed_low_kmh for s in told])
-    assert (width[times > 1] < 4).all()
+    assert (width[times > 1] < 4.6).all()
     moving = np.abs(trip.train.speed_kmh(times)) > 10
     assert (width[moving] < 1.4 + 0.3 * keep).all()
     assert told[-1].steps == told[-1].counted or told[-1].counted[1] == 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from railgate.field import Field
 from railgate.registers import Access, Block, Map, Register, identity
 
-__all__ = ["IDENTITY", "MAP", "SEEN", "TRIGGER", "WORDS"]
+__all__ = ["IDENTITY", "MAP", "SEEN", "TRIGGER", "WORDS", "block"]
 
 IDENTITY = (b"\x01TST", b"\xbc\x0a\0\0")
 """The first two words of a block."""
@@ -14,11 +14,11 @@ SEEN = 0x8
 TRIGGER = 0xC
 """Not to be read."""
 WORDS = range(0x10, 0x20, 4)
-"""Words to read and write; behind them is a hole."""
+"""Words to read and write."""
 
 
 def block(name: str) -> Block:
-    """`<name>_events` sets the bits; one block has a hole behind its words, the other one none."""
+    """`<name>_events` sets the bits. It is full: it ends with its last word."""
     seen = Register(
         name=f"{name}_seen",
         fields=(Field(f"{name}_events", 8, "were seen"),),

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from position_link.plant.stimuli import SMALL as SMALL_LINK
-from railgate.engines import Clock, Design
+from railgate.engines import Design
 from railgate.odometer.design import design as odometer_design
 from railgate.odometer.gateware import Odometer
 from railgate.odometer.plant import Sensor, course

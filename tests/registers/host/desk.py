@@ -179,3 +179,31 @@ def _run(running: Running, board: int, line: Line, off: threading.Event) -> None
             os.write(board, told_back)
         if not now and told["tx"].values.all():
             time.sleep(REST_S)
+
+
+@contextmanager
+def answering(answer: Callable[[bytes], bytes]):
+    """A port at whose other end something answers, but no bridge."""
+    board, host = pty.openpty()
+    tty.setraw(host)
+
+    def run() -> None:
+        while data := os.read(board, 1024):
+            if data == b"stop":
+                return
+            os.write(board, answer(data))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield Line(os.ttyname(host))
+    finally:
+        os.write(host, b"stop")
+        thread.join()
+        os.close(board)
+        os.close(host)
+
+
+def flipped(data: bytes) -> bytes:
+    """An answer that is spoilt."""
+    return data[:-2] + bytes([data[-2] ^ 1]) + data[-1:]

@@ -1,12 +1,7 @@
 """A board on a serial line: compiled gateware on a pseudo-terminal, with faults on the line."""
 
-import os
-import pty
 import random
-import threading
-import tty
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pytest
@@ -15,7 +10,7 @@ from railgate.odometer.device import OdometerDevice
 from railgate.position_link.device import LinkDevice
 from railgate.position_link.spec import Status
 from railgate.registers.host import AccessError, NoAnswerError, UartBus
-from registers.host.desk import BAUD, MAP, UNIT, Line, Noise, on_desk, quiet
+from registers.host.desk import BAUD, MAP, UNIT, Line, Noise, answering, on_desk, quiet
 
 WAIT_S = 0.5
 """The board of the tests is slower than a real one."""
@@ -134,29 +129,6 @@ def test_a_burst_may_be_longer_than_the_bridge_takes(board) -> None:
 def test_a_port_is_one_hosts(board) -> None:
     with pytest.raises(ValueError, match="cannot be opened"):
         UartBus(board.line.port, BAUD, WAIT_S)
-
-
-@contextmanager
-def answering(answer: Callable[[bytes], bytes]):
-    """A port at whose other end something answers, but no bridge."""
-    board, host = pty.openpty()
-    tty.setraw(host)
-
-    def run() -> None:
-        while data := os.read(board, 1024):
-            if data == b"stop":
-                return
-            os.write(board, answer(data))
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield Line(os.ttyname(host))
-    finally:
-        os.write(host, b"stop")
-        thread.join()
-        os.close(board)
-        os.close(host)
 
 
 @pytest.mark.parametrize(

@@ -367,7 +367,7 @@ def _fits(axles: Any, i: int, pairs: Any, train: Any, rules: Any) -> bool:
         together = ran and not pairs[min(i, k), max(i, k)].apart
         meet = axle.speed_low <= other.speed_high and other.speed_low <= axle.speed_high
         agreed = agreed or bool(together and meet)
-    return agreed or alone
+    return agreed or (alone and axle.run >= rules.still_ticks)
 
 
 @njit(cache=True, nogil=True)

@@ -61,7 +61,8 @@ class Rolling:
     hard as it can (ODO-11). confirm_s: how long an axle can slip or slide before it is found; what
     one axle alone tells is taken at the age of that. rejoin_s: how long an axle that was off must
     roll, together with another, to be believed again. standstill_s: how long without any edge a
-    wheel stands still, or is called lost if the train moves.
+    wheel stands still, or is called lost if the train moves; and how long an axle must roll to be
+    believed again where all others are lost.
     """
 
     creep: float = 0.0
@@ -221,15 +222,13 @@ class Train:
         """What the intervals rest on, in words."""
         told, rolling = self.assumptions, self.rolling
         return (
-            "axles that agree roll, and of axles that are apart one does",
-            "an axle that stops rolling while no other rolls is found within "
-            f"{rolling.confirm_s:g} s, for it slips or slides faster than "
-            f"{told.acceleration_max:g} m/s²",
+            "of the axles that are not found to slip or slide one rolls, or slips or slides since "
+            f"less than {rolling.confirm_s:g} s",
             f"the train's acceleration is within ±{told.acceleration_max:g} m/s²",
             f"a train whose axles all slide accelerates by at most {rolling.slide_rise:g} m/s² and "
             "does not turn back",
-            f"two axles that have turned alike for {rolling.rejoin_s:g} s, each within the train's "
-            "limits, roll",
+            f"two axles that have turned alike for {rolling.rejoin_s:g} s, or one alone for "
+            f"{rolling.standstill_s:g} s, within the train's limits, roll",
             f"a rolling wheel's speed is within ±{100 * rolling.creep:g} % of the train's",
             "each wheel's diameter is within its record's bounds",
             f"no edge lost or false, each stamped less than {told.late_ticks:g} ticks late",

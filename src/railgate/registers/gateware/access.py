@@ -22,7 +22,7 @@ class BusAccess(wiring.Component):
     bus: in, see bus_signature. index: out, the word of the access, from the tick after the request
     on. gate: out, 1 bit, of a read. read, write: out, 1 bit, the access is done in this tick, by
     the end of which `told`, `readable`, `writable` count: in, what a read tells, and whether there
-    is anything to read or write. waits: in, 1 bit, it cannot be done in this tick. data: out, what
+    is anything to read or write. waits: in, 1 bit, a read cannot be done in this tick. data: out, what
     is written, and mask: out, a 1 for each of its bits whose strobe is 1.
     """
 
@@ -69,7 +69,7 @@ class BusAccess(wiring.Component):
             with m.State("GATE"):
                 m.d.comb += self.gate.eq(~taken.write)
                 m.next = "DONE"
-            with m.State("DONE"), m.If(~self.waits):
+            with m.State("DONE"), m.If(~self.waits | taken.write):
                 m.d.comb += [self.read.eq(~taken.write), self.write.eq(taken.write)]
                 m.next = "IDLE"
         return m

@@ -5,11 +5,11 @@
   const root = document.documentElement;
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const faint = (name, part) => `color-mix(in srgb, ${colour(name)} ${part}%, transparent)`;
-  const LANE = 30, LABEL = 13, LEAST_S = 0.2;
+  const LANE = 30, LABEL = 13, LEAST_S = 0.2, PAPER = 660;
   const plots = [];
 
   const figure = (name) => document.getElementById(name);
-  const width = (place) => Math.max(place.clientWidth, 240);
+  const width = (place) => (root.classList.contains("paper") ? PAPER : Math.max(place.clientWidth, 240));
 
   // The faults' spans behind every chart.
   const shade = (u) => {
@@ -36,14 +36,14 @@
     scales: { x: { time: false, min: 0, max: told.seconds }, ...more.scales },
     series: [{ label: "t/s", value: (u, t) => (t == null ? "–" : t.toFixed(3)) }, ...more.series],
     bands: more.bands,
-    legend: { show: more.series.length > 0, live: true },
+    legend: { show: more.series.length > 0, markers: { stroke: (u, i) => `var(--${u.series[i].tone})` } },
     axes: [axis({ values: seconds, size: 30, gap: 4 }), axis({ size: 52, gap: 4, ...more.axis })],
     hooks: { drawClear: [shade], ...more.hooks },
   });
 
   const number = (digits) => (u, value) => (value == null ? "–" : value.toFixed(digits));
   const line = (label, name, digits, more) =>
-    ({ label, stroke: () => colour(name), width: 1.3, points: { show: false }, value: number(digits), ...more });
+    ({ label, tone: name, stroke: () => colour(name), width: 1.3, points: { show: false }, value: number(digits), ...more });
   const interval = (digits) => [
     line("FPGA 1 at least", "blue", digits, { width: 0.8 }), line("at most", "blue", digits, { width: 0.8 }),
     line("FPGA 2 at least", "orange", digits, { dash: [5, 5] }), line("at most", "orange", digits, { dash: [5, 5] }),

@@ -18,7 +18,7 @@ from railgate.vital_output.spec import State
 from railgate.vital_output.timeline import NAMES
 from railgate.waves import Waveform
 
-__all__ = ["Lane", "Span", "lanes"]
+__all__ = ["HEALTHS", "MOST", "Lane", "Span", "lanes", "stretches"]
 
 SECOND = 1e15
 """Femtoseconds."""
@@ -107,20 +107,20 @@ def _position(result: Result) -> Iterator[Lane]:
         ("position link", "health", HEALTHS),
         ("position word", "status", STATUSES),
     ):
-        yield Lane(name, "none yet", _spans(link.times_s, link.told.fields[field], end, look))
+        yield Lane(name, "none yet", stretches(link.times_s, link.told.fields[field], end, look))
 
 
 def _odometers(result: Result) -> Iterator[Lane]:
     cycles, end = result.run.cycles, float(result.run.scenario.seconds)
     for fpga in (1, 2):
-        spans = _spans(cycles.times_s, cycles.stands[:, fpga - 1], end, STANDS)
+        spans = stretches(cycles.times_s, cycles.stands[:, fpga - 1], end, STANDS)
         yield Lane(f"odometer {fpga}", "moves", spans)
         for axle in range(cycles.verdicts.shape[2]):
-            spans = _spans(cycles.times_s, cycles.verdicts[:, fpga - 1, axle], end, VERDICTS)
+            spans = stretches(cycles.times_s, cycles.verdicts[:, fpga - 1, axle], end, VERDICTS)
             if spans:
                 yield Lane(f"odometer {fpga}, axle {axle + 1}", "rolls", spans)
         if result.outside[:, fpga - 1].any():
-            spans = _spans(cycles.times_s, result.outside[:, fpga - 1], end, OUTSIDE)
+            spans = stretches(cycles.times_s, result.outside[:, fpga - 1], end, OUTSIDE)
             yield Lane(f"odometer {fpga}, speed's interval", "holds", spans)
 
 
@@ -129,7 +129,7 @@ def _doors(result: Result, side: Side) -> Iterator[Lane]:
     end = float(run.scenario.seconds)
     name = f"{_name(side)} doors"
     image = run.cycles.image >> bit & 1
-    yield Lane(f"{name}, CPUs", "closed", _spans(run.cycles.times_s, image, end, COMMANDED))
+    yield Lane(f"{name}, CPUs", "closed", stretches(run.cycles.times_s, image, end, COMMANDED))
     for channel in run.vital.channels:
         spans = _of_wave(channel.state(bit), end, STATES)
         yield Lane(f"{name}, FPGA {channel.fpga}", NAMES[State.IDLE], spans)
@@ -143,10 +143,12 @@ def _name(side: Side) -> str:
 
 
 def _of_wave(wave: Waveform, end: float, look: Look) -> list[Span]:
-    return _spans(wave.ticks / SECOND, wave.values, end, look)
+    return stretches(wave.ticks / SECOND, wave.values, end, look)
 
 
-def _spans(times: NDArray[np.float64], values: NDArray[Any], end: float, look: Look) -> list[Span]:
+def stretches(
+    times: NDArray[np.float64], values: NDArray[Any], end: float, look: Look
+) -> list[Span]:
     """The stretches of equal values that have a look."""
     turns = np.flatnonzero(np.append(True, values[1:] != values[:-1]))
     starts, kinds = times[turns], values[turns].astype(np.int64)

@@ -24,7 +24,7 @@ class _Decided(Free):
     """Time is cut out too: cycles are decided at any time."""
 
     def __init__(self, board: int, *lemmas: str) -> None:
-        super().__init__(TWO, board, {"decides": 1, "index": 32}, lemmas)
+        super().__init__(TWO, board, {"decides": 1, "index": 32}, ("sound", *lemmas))
 
     def told(self) -> Told:
         return {

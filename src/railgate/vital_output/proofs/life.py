@@ -33,7 +33,9 @@ class _Life(Free):
     """
 
     def __init__(self) -> None:
-        super().__init__(CONFIG, 0, TIME | FRAME, ("time", "window", "checked", "waits", "lives"))
+        super().__init__(
+            CONFIG, 0, TIME | FRAME, ("sound", "time", "window", "checked", "waits", "lives")
+        )
         ages = range(2 * CONFIG.life_bound_ticks)
         self.check_age, self.own_age, self.age = (
             Signal(ages, name=f"{name}_age") for name in ("check", "own", "stored")
