@@ -18,10 +18,11 @@ exclude_patterns = ["sheets"]
 suppress_warnings = ["myst.header"]  # commands.md and vital_output.md begin where they must
 
 language = "en-GB"
-smartquotes = False  # "the field's own signs" are written as they are meant
+smartquotes = False  # quotation marks and dashes stand as they are meant
 nitpicky = True
 
 html_theme = "furo"
+pygments_dark_style = "github-dark"
 html_title = "railgate"
 html_static_path = ["_static"]
 html_css_files = ["railgate.css"]

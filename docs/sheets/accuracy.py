@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from railgate.odometer.host import ESTIMATORS, interval_bounds_s, period_bounds_kmh, phase_bounds_deg
+from railgate.odometer.host import (
+    ESTIMATORS,
+    interval_bounds_s,
+    period_bounds_kmh,
+    phase_bounds_deg,
+)
 from railgate.odometer.plant import Sensor, constant
 from railgate.odometer.simulate import simulate
 from railgate.odometer.spec import Assumptions, Config
@@ -30,7 +35,9 @@ def phases(_: str) -> str:
         times = (interval_bounds_s(seconds, config) for seconds in (period, period / 4))
         told = [between(*(f"{float(end) * 1e6:.4f}" for end in ends)) for ends in times]
         low, high = phase_bounds_deg(1000 * kilohertz, config)
-        rows.append((f"{float(kilohertz):g}", *told, between(f"{float(low):.3f}", f"{float(high):.3f}")))
+        rows.append(
+            (f"{float(kilohertz):g}", *told, between(f"{float(low):.3f}", f"{float(high):.3f}"))
+        )
     return table(("frequency, kHz", "T, µs", "Δt, µs", "φ, degrees"), rows)
 
 
@@ -57,7 +64,10 @@ def _widths(estimator: str) -> Iterator[float]:
     """The mean width of the intervals at each speed, of windows with a measurement, km/h."""
     for speed in SPEEDS_KMH:
         run = simulate(
-            constant(speed, SECONDS), Sensor(), Config(sensors=1), estimator=estimator,
+            constant(speed, SECONDS),
+            Sensor(),
+            Config(sensors=1),
+            estimator=estimator,
             assumptions=EXACT,
         )
         if run.truth_outside:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, replace
 from enum import IntEnum
 from fractions import Fraction
@@ -25,14 +26,20 @@ FAR = 10**40
 
 def configuration(name: str) -> str:
     """A table of a configuration's fields: of a function, `assumptions` or `rolling`."""
-    config = OTHERS[name] if name in OTHERS else FUNCTIONS[name].config
+    config: Any = OTHERS[name] if name in OTHERS else FUNCTIONS[name].config
     names = [field.name for field in fields(config)]
     meanings = dict(told(inspect.getdoc(type(config)) or "", names))
     rows = [
-        (f"`{f.name}`", _default(config, f), _limits(config, f.name), meanings.get(f.name, "").removesuffix("."))
+        (f"`{f.name}`", _default(config, f), _limits(config, f.name), _meaning_of(f.name, meanings))
         for f in fields(config)
     ]
     return table(("name", "default", "limits", "what it is"), rows)
+
+
+def _meaning_of(name: str, meanings: Mapping[str, str]) -> str:
+    """What is told of it, or of another where it is named."""
+    mentions = (text for text in meanings.values() if re.search(rf"\b{name}\b", text))
+    return (meanings.get(name) or next(mentions, "")).removesuffix(".")
 
 
 def _default(config: object, field: Field[Any]) -> str:
@@ -65,13 +72,13 @@ def derived(name: str) -> str:
     """What follows from a function's default configuration: each number with its meaning."""
     config = FUNCTIONS[name].config
     rows = [
-        (f"`{each}`", number(getattr(config, each)), _meaning(prop))
+        (f"`{each}`", number(getattr(config, each)), _doc(prop))
         for each, prop in inspect.getmembers(type(config), lambda it: isinstance(it, property))
         if isinstance(getattr(config, each), int | float | Fraction)
     ]
     return table(("name", "value", "what it is"), rows)
 
 
-def _meaning(prop: property) -> str:
+def _doc(prop: property) -> str:
     text = " ".join((inspect.getdoc(prop) or "").split())
     return text.split(". ")[0].removesuffix(".")

@@ -64,7 +64,11 @@ def _told(run: Run, begins: float, off: float) -> tuple[str, str, str]:
     first = after[0]
     if first.time_s < off:
         return f"{first.source}: {first.what}", _time(first.time_s - begins), opened
-    return f"{first.source}: {first.what}", f"{_time(first.time_s - off)} from the next 0 on", opened
+    return (
+        f"{first.source}: {first.what}",
+        f"{_time(first.time_s - off)} from the next 0 on",
+        opened,
+    )
 
 
 def _finds(event: Event) -> bool:
@@ -92,12 +96,14 @@ def _time(seconds: float) -> str:
 
 
 def found_on_line(_: str) -> str:
-    """A row for each kind of fault of the position link, in one cycle: its causes, what was sent."""
+    """A row for each kind of fault of the link, in one cycle: its causes, and what was sent."""
     layout = example()
     rows = []
     for kind, told in LINK_FAULTS.items():
         fault = LinkFault(kind, LINE_FAULT_S)
-        run = simulate_link(LinkScenario(faults=(fault,)), layout.config, LINE_CYCLES, layout=layout)
+        run = simulate_link(
+            LinkScenario(faults=(fault,)), layout.config, LINE_CYCLES, layout=layout
+        )
         wrong = [each for each in run.deliveries if each.causes]
         causes = ", ".join(dict.fromkeys(c for each in wrong for c in each.causes)) or "none"
         sent = ", ".join(dict.fromkeys(each.status.name.lower() for each in wrong)) or "fresh"

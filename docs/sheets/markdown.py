@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
@@ -9,6 +10,8 @@ __all__ = ["between", "code", "html", "number", "small", "table"]
 
 BACKQUOTES = "`" * 5
 """More than any text has."""
+SPACE = re.compile(r"[ \n]+")
+"""That lines may break at."""
 NARROW, WIDE = "\N{NARROW NO-BREAK SPACE}", "\N{NO-BREAK SPACE}"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -20,7 +23,7 @@ def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", r"\|")
+    return SPACE.sub(" ", text).replace("|", r"\|")
 
 
 def code(text: str, language: str = "text") -> str:

@@ -19,9 +19,13 @@ def resources(name: str) -> str:
     """A table of what the builds of a function came to. Raises ValueError."""
     function(name)
     if not RECORD.exists():
-        return "Not measured yet: this project does not place and route for a board so far (SYS-3).\n"
+        return "Not measured yet: nothing has been placed and routed so far (SYS-3).\n"
     told: list[dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
-    rows = [{k: v for k, v in each.items() if k != "function"} for each in told if each["function"] == name]
+    rows = [
+        {k: v for k, v in each.items() if k != "function"}
+        for each in told
+        if each["function"] == name
+    ]
     if not rows:
         return "Not among the builds that `build/fpga.json` tells of.\n"
     header = list(rows[0])

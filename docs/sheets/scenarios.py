@@ -24,4 +24,3 @@ def scenarios(name: str) -> str:
             (f"`{each}`", scenario.name, f"{float(scenario.seconds):.0f} s", scenario.unit, faults)
         )
     return table(("name", "what happens", "lasts", "unit", "faults"), rows)
-

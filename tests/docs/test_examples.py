@@ -10,7 +10,9 @@ import pytest
 from docs.examples import DOCS, ROOT, document, is_slow, outside
 
 PAGES = sorted(DOCS.rglob("*.md"))
-WITH_EXAMPLES = [page for page in PAGES if re.search(r"```(python|console)\n", page.read_text("utf-8"))]
+WITH_EXAMPLES = [
+    page for page in PAGES if re.search(r"```(python|console)\n", page.read_text("utf-8"))
+]
 WITH_SLOW = [page for page in WITH_EXAMPLES if "% slow\n" in page.read_text("utf-8")]
 COMMANDS = (DOCS / "commands.md").read_text("utf-8")
 PLACEHOLDER = re.compile(r"\b(CAPTURE|CH|NAME|KIND|PATH|DIR|SCENARIO|PORT|T0)\b|…|\[")

@@ -17,7 +17,7 @@ def told(result: Result, source: str, begin: str) -> list[float]:
 
 def test_events_are_in_order_of_time(result: Result) -> None:
     assert all(one.time_s <= other.time_s for one, other in pairwise(result.events))
-    assert 0 <= result.events[0].time_s
+    assert result.events[0].time_s >= 0
     assert result.events[-1].time_s <= result.run.scenario.seconds
 
 
@@ -45,7 +45,9 @@ def test_calls_at_platforms_and_faults_are_told_at_their_times(result: Result) -
 
 
 def test_the_links_health_is_told_as_it_changes(result: Result) -> None:
-    for begin, least, most in (("warning", 9, 9.05), ("alarm", 9.05, 9.1), ("ok", 9.2, 9.25)):
+    """In whole cycles of 20 ms: at the end of a fault's first one, of its third, of the first good
+    one."""
+    for begin, least, most in (("warning", 8.99, 9.02), ("alarm", 9.03, 9.06), ("ok", 9.19, 9.24)):
         (time_s,) = [t for t in told(result, "position link", begin) if t > 1]
         assert least <= time_s < most
 

@@ -45,7 +45,7 @@ class Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         tag, attributes = self._in
-        if attributes.get("id") == "charts" and tag == "script":
+        if attributes.get("id") == "charts" and tag == "script" and data.strip():
             self.data = json.loads(data)
         elif tag not in ("script", "style") and data.strip():
             self.texts.append(data.strip())

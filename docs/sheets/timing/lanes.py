@@ -1,4 +1,4 @@
-"""A timing diagram: signals one below the other over a common time, as SVG in the page's colours."""
+"""A timing diagram: signals over a common time, as SVG in the page's colours."""
 
 from __future__ import annotations
 
@@ -139,8 +139,16 @@ def _bus(axes: Axes, x: NDArray[np.float64], names: Sequence[str], low: float) -
         down = [middle, low + EDGE, low + EDGE, middle, low, low]
         axes.fill(across, down, facecolor=BUS, edgecolor=INK, linewidth=0.7, alpha=0.85)
         if name and end - begin > whole * CHARACTER * (len(name) + 1):
-            axes.text((begin + end) / 2, middle - 0.02, name, color=INK, fontsize=7.5,
-                      ha="center", va="center", clip_on=True)
+            axes.text(
+                (begin + end) / 2,
+                middle - 0.02,
+                name,
+                color=INK,
+                fontsize=7.5,
+                ha="center",
+                va="center",
+                clip_on=True,
+            )
 
 
 def _themed(svg: str, title: str) -> str:

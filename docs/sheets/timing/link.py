@@ -87,7 +87,7 @@ def faults() -> Diagram:
         Lane("causes", waves["causes"], lambda value: ", ".join(cause_names(value)) or "0"),
     ]
     return Diagram(
-        title="Position link: four answers are lost; two words are held, then the fault word goes out",
+        title="Position link: four answers are lost; two words are held, then comes the fault word",
         lanes=lanes,
         tick_s=TICK_S,
         start=0,

@@ -70,8 +70,13 @@ def _common(run: Run, least_ms: float) -> list[Lane]:
     ]
 
 
-def _diagram(title: str, lanes: Sequence[Lane], span: Span, marks: Sequence[tuple[Fraction, str]],
-             zero: Fraction = Fraction(0)) -> Diagram:
+def _diagram(
+    title: str,
+    lanes: Sequence[Lane],
+    span: Span,
+    marks: Sequence[tuple[Fraction, str]],
+    zero: Fraction = Fraction(0),
+) -> Diagram:
     """Of a span in seconds."""
     return Diagram(
         title=title,

@@ -88,7 +88,8 @@ def _chosen(name: str) -> tuple[str, str, Scenario]:
     """A scenario's short name, its text, and the scenario. Raises ValueError."""
     path = Path(name)
     if name not in builtins() and path.exists():
-        return path.stem, path.read_text("utf-8"), read_scenario(path)
+        scenario = read_scenario(path)
+        return path.stem, path.read_text("utf-8"), scenario
     scenario = builtin(name)
     file = resources.files("railgate.unit").joinpath("scenarios", f"{name}.toml")
     return name, file.read_text("utf-8"), scenario

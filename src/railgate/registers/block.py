@@ -50,7 +50,7 @@ class Group:
         for each in self.registers:
             if each.access is not Access.READ:
                 raise ValueError(
-                    f"registers of a group must be for reading, not {each.name} to {each.access}"
+                    f"registers of a group must be for reading, not {each.name} for {each.access.value}"
                 )
 
     @property
@@ -86,6 +86,8 @@ class Block:
 
     def __post_init__(self) -> None:
         require_name(self.name)
+        if not self.entries:
+            raise ValueError(f"{self.name} must have at least one register")
         for entry in self.entries:
             alone = isinstance(entry, Register) and entry.access is not Access.CONSTANT
             if alone and entry.words > 1:

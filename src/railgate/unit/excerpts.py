@@ -43,10 +43,10 @@ def excerpts(times_s: Sequence[float], end_s: Fraction) -> Excerpts:
         begin, end = max(time - BEFORE_S, Fraction(0)), min(time + AFTER_S, end_s)
         if spans and begin <= spans[-1][1]:
             first, last = spans[-1]
-            if time <= first + LONGEST_S:
-                total += max(end, last) - last
-                spans[-1] = first, max(last, end)
-            if time <= spans[-1][1]:
+            if time <= max(first + LONGEST_S, last + APART_S):
+                until = max(last, end if time <= first + LONGEST_S else time)
+                total += until - last
+                spans[-1] = first, until
                 of.append(len(spans) - 1)
                 continue
             begin = last + APART_S

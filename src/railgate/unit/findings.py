@@ -60,19 +60,24 @@ class Injected:
 
 def injected(scenario: Scenario, events: Sequence[Event]) -> tuple[Injected, ...]:
     """All faults of a scenario in order of time, a clock off its tolerance among them."""
-    found = [*_clocks(scenario, events), *(_injected(each, events) for each in scenario.faults)]
+    found = [
+        *_clocks(scenario, events),
+        *(_injected(scenario, each, events) for each in scenario.faults),
+    ]
     return tuple(sorted(found, key=lambda each: each.start_s))
 
 
-def _injected(fault: Fault, events: Sequence[Event]) -> Injected:
+def _injected(scenario: Scenario, fault: Fault, events: Sequence[Event]) -> Injected:
+    """A fault of the link hits all of the cycle it begins in, so that it may be told before it."""
     start = float(fault.start_s)
+    early = float(scenario.config.link.cycle_s) if fault.part == "link" else 0.0
     end = None if fault.end_s is None else float(fault.end_s)
     until = float("inf") if end is None else end + AFTERWARDS_S
     complaint = re.compile(COMPLAINTS[fault.part].pattern.replace("{axle}", str(fault.axle)))
     told = (
         event
         for event in events
-        if start <= event.time_s <= until
+        if start - early <= event.time_s <= until
         and event.source in SOURCES[fault.part]
         and complaint.fullmatch(event.what)
     )
@@ -111,4 +116,4 @@ def _first(events: Iterable[Event], start_s: float) -> Iterator[Finding]:
         kind = NUMBERS.sub("", event.what)
         if kind not in kinds and len(kinds) < PER_SOURCE:
             kinds.add(kind)
-            yield Finding(event.time_s - start_s, event.source, event.what)
+            yield Finding(max(event.time_s - start_s, 0.0), event.source, event.what)

@@ -80,8 +80,8 @@ class Log:
         lines = content.splitlines(keepends=True)
         read = [_read_line(line) for line in lines]
         whole = next((i for i, (each, _) in enumerate(read) if each.get("number") != i), len(read))
-        for number, (after, _) in enumerate(read[whole:], whole):
-            if after.get("since", number) > whole:
+        for after, _ in read[whole:]:
+            if after.get("since", whole) > whole:
                 raise ValueError(f"{self.path}:{whole + 1}: the line is damaged")
         if whole < len(lines):
             os.ftruncate(self._file, sum(map(len, lines[:whole])))
@@ -101,6 +101,8 @@ def _read_line(line: bytes) -> tuple[dict[str, Any], Event | None]:
     except ValueError:
         members = None
     if not isinstance(members, dict) or tuple(members) != MEMBERS:
+        return {}, None
+    if not all(isinstance(members[name], int) for name in MEMBERS[:2]):
         return {}, None
     return members, Event(**{name: members[name] for name in MEMBERS[2:]})
 

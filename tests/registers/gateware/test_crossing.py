@@ -16,8 +16,8 @@ CLOCKS = {
     "odometer to link": (1 / 16, 1 / 40),
     "link to odometer": (1 / 40, 1 / 16),
     "nearly alike": (1.0, 1.0002),
-    "fast to slow": (0.01, 1.0),
-    "slow to fast": (1.0, 0.013),
+    "fast to slow": (0.05, 1.0),
+    "slow to fast": (1.0, 0.053),
 }
 
 

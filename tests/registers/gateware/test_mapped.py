@@ -1,5 +1,6 @@
 """The three functions with their banks: gates, bursts of one tick, sticky causes, triggers."""
 
+import gc
 import itertools
 from dataclasses import replace
 from fractions import Fraction
@@ -262,3 +263,10 @@ def test_the_only_registers_of_a_channel_that_can_be_written_are_seen_and_test()
         assert written == {map_.address("vital_output", name) for name in ("seen", "control")}
 
     simulated(mapped, writes)
+
+
+@pytest.mark.filterwarnings("ignore::amaranth.hdl.UnusedElaboratable")
+def test_a_function_without_a_port_that_its_block_needs_is_refused():
+    with pytest.raises(ValueError, match="odometer needs a port for busy, number, "):
+        Mapped(Channel(VITAL, 0), odometer_registers(ODOMETER))
+    gc.collect()

@@ -290,28 +290,28 @@ def _learn(pair: Any, live: bool, time: int, rules: Any) -> None:
 def _gain(axle: Any, past: Any, strobe: int, span: int) -> Any:
     """By how much the nominal speed, metres per tick, rose from the last but one span to the last.
 
-    0 where the older one is not whole.
+    NaN where the spans are not whole.
     """
-    if strobe < 2 * span or 2 * span > SPAN:
-        return 0.0
-    now, mid, old = strobe % RING, (strobe - span) % RING, (strobe - 2 * span)
-    old %= RING
-    if (
-        past[old, EPOCH] != past[now, EPOCH]
-        or past[mid, EDGE] <= past[old, EDGE]
-        or past[now, EDGE] <= past[mid, EDGE]
-    ):
-        return 0.0
-    rose = (past[now, RISES] - past[mid, RISES]) / (past[now, EDGE] - past[mid, EDGE])
-    return axle.pitch * (
-        rose - (past[mid, RISES] - past[old, RISES]) / (past[mid, EDGE] - past[old, EDGE])
-    )
+    if strobe < 2 * span:
+        return math.nan
+    now, mid, old = strobe % RING, (strobe - span) % RING, (strobe - 2 * span) % RING
+    if past[old, EPOCH] != past[now, EPOCH]:
+        return math.nan
+    ticks, before = past[now, EDGE] - past[mid, EDGE], past[mid, EDGE] - past[old, EDGE]
+    if min(ticks, before) <= 0:
+        return math.nan
+    n, m = past[now, RISES] - past[mid, RISES], past[mid, RISES] - past[old, RISES]
+    return axle.pitch * (n / ticks - m / before)
 
 
 @njit(cache=True, nogil=True)
 def _suspect(axles: Any, i: int, j: int, past: Any, strobe: int, span: int) -> None:
     """Of two that went apart, the one that changed its speed more is the likelier one to be off."""
-    gain, other = _gain(axles[i], past[i], strobe, span), _gain(axles[j], past[j], strobe, span)
+    gain, other, span = math.nan, math.nan, min(span, SPAN // 2)
+    while span and (math.isnan(gain) or math.isnan(other)):
+        gain = _gain(axles[i], past[i], strobe, span)
+        other = _gain(axles[j], past[j], strobe, span)
+        span //= 2
     first = abs(gain) > abs(other)
     axle = axles[i if first else j]
     axle.suspect = 1

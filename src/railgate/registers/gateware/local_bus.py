@@ -25,11 +25,11 @@ class LocalBus(wiring.Component):
     ready_n: out, 1 bit, transfer acknowledge; error_n: out, 1 bit, low along with it if the bus
     told an error. bus: out, see bus_signature.
 
-    A read is cs_n and oe_n low, a write is cs_n and any we_n low; the other one stays high.
-    Address, and of a write data, must stand from 1 tick after the last of them has fallen at the
-    latest, until ready_n falls. All must stay until ready_n falls; it falls 6 ticks after they are
-    seen low, which is up to 3 ticks after they are, and the bus's own ticks later. After one of
-    them has risen ready_n rises within 4 ticks, and the next access must not begin before.
+    A read is cs_n and oe_n low, a write is cs_n and any we_n low; the other one stays high. The
+    lanes of we_n fall within 1 tick. From 1 tick after the last of these pins has fallen, address,
+    and of a write data, stand still; all stay until ready_n is low. It falls at most 6 ticks after
+    the last of them has, and the bus's own ticks later; after any of them has risen it rises within
+    3 ticks, and the next access must not begin before.
 
     Bytes are in the order of a PowerPC, the most significant one at the lowest address. Of 16 data
     bits, a word is two accesses, to the lower address first: a read of it reads the word, of which

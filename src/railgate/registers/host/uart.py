@@ -40,7 +40,7 @@ class UartBus:
     ValueError where the port cannot be opened, and NoAnswerError where no bridge answers.
     """
 
-    def __init__(self, port: str, baud: int, wait_s: float = 0.1, tries: int = 5) -> None:
+    def __init__(self, port: str, baud: int, wait_s: float = 0.5, tries: int = 5) -> None:
         self._wait_s, self._tries = wait_s, tries
         self._byte_s = BITS / baud
         self._number = 0

@@ -2,8 +2,8 @@
 
 One channel by itself, or both with all that is around them. Kernels, from the bottom up: clocks,
 pins; frames, messages; link, vote, drive with trains: a channel's parts; channel: one tick of it;
-wires, resting, relays: the loop; run: over clock edges, with its log. They work on records and
-limits; engine makes waveforms of it all.
+wires, repeats, resting, relays: the loop; run: over clock edges, with its log. They work on records
+and limits; engine makes waveforms of it all.
 """
 
 from railgate.vital_output.model.alone import ChannelModel

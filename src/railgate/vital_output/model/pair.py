@@ -45,8 +45,9 @@ class PairModel(Leap):
     rogue_x, open_x, stuck_x, contact_open, contact_stuck; `fpga_x_rst`, `relay_rst`. Outputs:
     `fpga_x.` and command.ready, link_tx, pulses, the fields of the configuration; `contact`.
 
-    Its cost goes with bytes, updates, messages, cycles and what disturbs a line or a pulse train;
-    bits of messages and edges of trains cost nothing unless asked for, or disturbed.
+    Its cost goes with bytes, updates, cycles, messages that tell something new, and what disturbs
+    a line or a pulse train; other messages, bits of messages and edges of trains cost nothing
+    unless link_tx or pulses are asked for, or something disturbs them.
     """
 
     def __init__(
