@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from sybil.example import SybilFailure
 
 from docs.examples import DOCS, ROOT, document, is_slow, outside
 
@@ -61,3 +62,49 @@ def test_calls_in_the_commands_page_work(call) -> None:
 def test_slow_calls_in_the_commands_page_work(call) -> None:
     code, printed = outside(call)
     assert code in (0, 1), printed
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("```console\n$ echo one\ntwo\n```\n", "must print\ntwo\nnot\none"),
+        ("```console\n$ false\n```\n", "exit code 1"),
+        ("```console\n$ true\n[exit code 1]\n```\n", "exit code 0"),
+        ("```console\necho one\n```\n", "a block must begin with $, not 'echo one'"),
+        ("```console\n$ true\n$ echo one\ntwo\n```\n", "echo one"),
+        ("```python\n>>> 1 + 1\n3\n```\n", "Expected:\n    3\nGot:\n    2"),
+    ],
+)
+def test_an_example_that_does_otherwise_is_found(tmp_path, block, says) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(f"# Page\n\n{block}", "utf-8")
+    (example,) = document(page).examples()
+    with pytest.raises(SybilFailure, match=re.escape(says)):
+        example.evaluate()
+
+
+def test_an_example_that_does_so_passes(tmp_path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "```console\n$ cat <<END\n> one\n>\n> two\n> END\n...\ntwo\n$ exit 3\n[exit code 3]\n```\n"
+    )
+    (example,) = document(page).examples()
+    example.evaluate()
+    assert not is_slow(example)
+
+
+def test_only_the_example_below_the_line_slow_is_slow(tmp_path) -> None:
+    page = tmp_path / "page.md"
+    fence = "```console\n$ true\n```\n"
+    page.write_text(
+        f"{fence}\n% slow\n{fence}\n% slow\n\n```python\n>>> 1\n1\n```\n{fence}", "utf-8"
+    )
+    assert [is_slow(each) for each in document(page).examples()] == [False, True, True, False]
+
+
+def test_every_command_on_a_page_is_an_example() -> None:
+    """But setting up, which these tests run in the result of."""
+    for page in PAGES:
+        blocks = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+        assert {language for language, _ in blocks} <= {"python", "console", "sh"}
+        assert all(text == "make setup\n" for language, text in blocks if language == "sh")

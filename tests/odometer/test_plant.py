@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from railgate.odometer.plant import PROFILES, Profile, Sensor, constant, read_profile, shuttle
+from railgate.odometer.plant import (
+    CONDITIONS,
+    PROFILES,
+    SERVICES,
+    Profile,
+    Sensor,
+    constant,
+    journey,
+    read_profile,
+    run,
+    shuttle,
+)
 from railgate.odometer.spec import Config
 from railgate.waves import Trace
 
@@ -160,3 +171,85 @@ def test_speed_and_position_agree() -> None:
 def test_a_sensor_out_of_bounds_is_refused(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=f"{name} must be between"):
         Sensor(**{name: value})
+
+
+@pytest.mark.parametrize("profile", [run(90, 20), constant(40, 3)])
+def test_what_has_passed_at_a_tick_is_what_the_edges_say(profile: Profile) -> None:
+    sensor = Sensor(offset=0.3, tooth_error=0.2, duty=0.45, phase_deg=80, seed=7)
+    pins = sensor.drive(profile, CONFIG)
+    some = np.concatenate([pins["a"].ticks[1:200], pins["a"].ticks[1:200] - 1])
+    ticks = np.unique(np.concatenate([some, np.arange(5, pins.end, 100_003)]))
+    passed = sensor.passed(profile, CONFIG, ticks)
+    a, b = pins["a"].rising(), pins["b"].rising()
+    assert (passed.rises == np.searchsorted(a, ticks, side="right")).all()
+    assert (passed.b_rises == np.searchsorted(b, ticks, side="right")).all()
+    edges = np.sort(np.concatenate([pins[name].ticks[1:] for name in "ab"]))
+    steps = np.searchsorted(edges, ticks, side="right")
+    assert (passed.steps == steps).all()
+    assert (passed.last_edge[steps > 0] == edges[steps[steps > 0] - 1]).all()
+    some = passed.rises > 0
+    assert (passed.last_rise[some] == a[passed.rises[some] - 1]).all()
+    assert (passed.last_rise[~some] == 0).all()
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_a_service_keeps_its_figures(name: str) -> None:
+    service = SERVICES[name]
+    train, phases = service.profile()
+    assert 3.6 * train.speeds_m_s.max() == pytest.approx(service.speed_kmh)
+    assert train.acceleration_m_s2 == pytest.approx(max(service.traction, service.braking))
+    rates = np.diff(train.speeds_m_s) / np.diff(train.times_s)
+    assert rates.max() == pytest.approx(service.traction)
+    assert np.abs(np.diff(rates)).max() < 0.25
+    assert [what for what, *_ in phases] == ["traction", "braking"] * service.hops
+    slower, _ = service.profile(service.braking / 2)
+    assert slower.duration_s > train.duration_s
+
+
+@pytest.mark.parametrize("condition", CONDITIONS)
+@pytest.mark.parametrize("name", SERVICES)
+def test_wheels_leave_the_train_only_in_the_spans_told(name: str, condition: str) -> None:
+    trip = journey(SERVICES[name], condition, 4)
+    assert [len(spans) > 0 for spans in trip.off] == {
+        "wet": [True, True],
+        "slide": [True, True],
+        "locked": [False, True],
+    }.get(condition, [False, False])
+    t = np.arange(0, trip.train.duration_s, 0.01)
+    for wheel, spans, of in zip(trip.wheels, trip.off, ("slips", "slides"), strict=True):
+        slip = wheel.speed_kmh(t) - trip.train.speed_kmh(t)
+        inside = np.zeros(t.size, bool)
+        for start, end in spans:
+            inside |= (t > start) & (t < end)
+        assert (np.abs(slip[~inside]) < 1e-9).all()
+        assert (wheel.speeds_m_s >= 0).all()
+        if spans and condition == "wet" and of == "slips":
+            assert (slip > -1e-9).all()
+        else:
+            assert (slip < 1e-9).all()
+    if condition in ("wet", "slide"):
+        assert min(s[0] for spans in trip.off for s in spans) > SERVICES[name].dwell_s / 2
+
+
+def test_a_slide_begins_faster_than_the_train_can_brake_and_lengthens_its_way() -> None:
+    for service in SERVICES.values():
+        dry, wet = journey(service, "dry", 1), journey(service, "slide", 1)
+        assert wet.train.duration_s > dry.train.duration_s
+        for wheel in wet.wheels:
+            assert 1.9 < wheel.acceleration_m_s2 < 20
+
+
+def test_a_locked_axle_stands_until_the_train_does() -> None:
+    trip = journey(SERVICES["metro"], "locked", 1)
+    for start, end in trip.off[1]:
+        t = np.linspace(start + 4, end, 100)
+        assert (trip.wheels[1].speed_kmh(t) == 0).all()
+        assert trip.train.speed_kmh(np.array(end)) == 0
+
+
+def test_a_journey_comes_from_its_seed_alone() -> None:
+    one, same, other = (journey(SERVICES["metro"], "slide", seed) for seed in (1, 1, 2))
+    assert one.off == same.off != other.off
+    assert (one.wheels[0].times_s == same.wheels[0].times_s).all()
+    with pytest.raises(ValueError, match=r"condition must be one of dry, wet, .*, not ice"):
+        journey(SERVICES["metro"], "ice", 1)

@@ -91,6 +91,7 @@ def test_a_group_stands_twice_and_every_place_is_used_once():
     assert made.place("two").register.name == "low"
 
 
+@pytest.mark.shows("SYS-1")
 @pytest.mark.parametrize(
     "block_",
     [odometer(OdometerConfig()), position_link(LinkConfig()), vital_output(VitalConfig())],
@@ -106,6 +107,7 @@ def test_a_functions_words_do_not_overlap_and_leave_no_hole(block_):
     assert used == list(range(0, 4 * block_.words, 4))
 
 
+@pytest.mark.shows("SYS-1")
 @pytest.mark.parametrize(
     ("made", "fields"),
     [
@@ -128,6 +130,7 @@ def test_every_field_of_the_specification_is_in_the_group_just_once(made, fields
         assert there.count(field) == 1
 
 
+@pytest.mark.shows("SYS-1")
 def test_any_configuration_has_a_map():
     odometer(OdometerConfig(sensors=16, stamp_depth=16, count_bits=48, time_bits=63))
     position_link(LinkConfig(word_bits=512, age_bits=16, count_bits=48, age_ticks_bits=48))
@@ -135,6 +138,7 @@ def test_any_configuration_has_a_map():
         vital_output(VitalConfig(outputs=outputs, life_cycles=3, count_bits=48))
 
 
+@pytest.mark.shows("SYS-5")
 def test_each_parameter_of_a_configuration_changes_the_digest():
     assert digest(OdometerConfig()) == OdometerConfig().digest
     changed = {

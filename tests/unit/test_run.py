@@ -125,6 +125,6 @@ def test_the_same_seed_gives_the_same_run() -> None:
     noisy = replace(SHORT, sensor=replace(SHORT.sensor, tooth_error=0.02, jitter_s=1e-6))
     one, again = run(noisy), run(noisy)
     assert one.vital.trace == again.vital.trace
-    assert one.odometers[0].shots == again.odometers[0].shots
+    assert one.odometers[0].outputs == again.odometers[0].outputs
     other = run(replace(noisy, seed=9))
-    assert other.odometers[0].shots != one.odometers[0].shots
+    assert other.odometers[0].outputs != one.odometers[0].outputs

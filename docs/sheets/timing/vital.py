@@ -105,7 +105,7 @@ def on_and_off() -> Diagram:
 def vote() -> Diagram:
     """From the frames to the pulses."""
     stored = _first_stored("good")
-    span = (stored - MILLI, stored + MILLI)
+    span = (stored - MILLI / 2, stored + MILLI / 2)
     run = _run("good", span)
     one = run.channels[0]
     pulses = [

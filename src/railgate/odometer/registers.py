@@ -2,8 +2,9 @@
 
 The snapshot is one burst of a size that only the number of sensors changes: what all sensors
 share, then each sensor's fields. Reading its first word is the gate. A write to `strobe` is the
-gate too, as is the pin of that name: after either the burst is read at its second place, of as many
-units as were strobed together.
+gate too, as is the port of that name: after either, each of the units that were strobed together
+gives its burst at its second place. While another strobe may come, `number` read again after the
+burst tells whether it was whole.
 """
 
 from __future__ import annotations

@@ -50,7 +50,8 @@ class Group:
         for each in self.registers:
             if each.access is not Access.READ:
                 raise ValueError(
-                    f"registers of a group must be for reading, not {each.name} for {each.access.value}"
+                    "registers of a group must be for reading, "
+                    f"not {each.name} for {each.access.value}"
                 )
 
     @property

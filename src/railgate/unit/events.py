@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from railgate.odometer.host import Verdict
 from railgate.odometer.spec import Flag
 from railgate.position_link.host import Deliveries
 from railgate.position_link.spec import Health, cause_names
@@ -103,17 +104,20 @@ def _odometer(run: Run, fpga: int) -> Iterator[Told]:
     source, cycles = f"odometer {fpga}", run.cycles
     times = cycles.times_s.tolist()
     stands = cycles.stands[:, fpga - 1].tolist()
-    for (_, before), (time_s, now) in pairwise(zip(times, stands, strict=True)):
-        if now != before:
-            yield time_s, source, "standstill" if now else "the train moves"
-    shots = run.odometers[fpga - 1].shots
-    for axle in range(len(shots[0])):
-        raised = [shot[axle].flags for shot in shots]
-        for (_, before), (time_s, now) in pairwise(zip(times, raised, strict=True)):
-            for flag in Flag:
-                if flag & now & ~before and flag.name:
-                    name = flag.name.lower().replace("_", " ")
-                    yield time_s, source, f"axle {axle + 1}: {name}"
+    for (_, before), (time_s, stands_now) in pairwise(zip(times, stands, strict=True)):
+        if stands_now != before:
+            yield time_s, source, "standstill" if stands_now else "the train moves"
+    verdicts = cycles.verdicts[:, fpga - 1]
+    for n, axle in np.argwhere(np.diff(verdicts, axis=0)):
+        now = Verdict(int(verdicts[n + 1, axle])).name.lower()
+        yield times[n + 1], source, f"axle {axle + 1}: {now}"
+    flags = run.odometers[fpga - 1].seen["flags"]
+    rises = flags & ~np.concatenate([flags[:1] * 0, flags[:-1]])
+    for n, axle in np.argwhere(rises):
+        for flag in Flag:
+            if flag & int(rises[n, axle]) and flag.name:
+                name = flag.name.lower().replace("_", " ")
+                yield times[n], source, f"axle {axle + 1}: {name}"
 
 
 def _link(told: Deliveries, times_s: Sequence[float]) -> Iterator[Told]:

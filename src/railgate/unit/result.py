@@ -64,6 +64,14 @@ class Result:
         return int(self.outside.any(axis=1).sum())
 
     @property
+    def distance_interval_violations(self) -> int:
+        """Cycles in which the true way is outside the interval of either odometer."""
+        cycles, start = self.run.cycles, self.run.scenario.route.start_m
+        true = (cycles.place_m - start)[:, None]
+        outside = (true < cycles.way_low_m) | (true > cycles.way_high_m)
+        return int(outside.any(axis=1).sum())
+
+    @property
     def distance_error_m(self) -> float:
         """Of FPGA 1's odometer, at the end."""
         cycles, start = self.run.cycles, self.run.scenario.route.start_m
@@ -88,6 +96,7 @@ class Result:
             "declared_reaction_s": float(verdict.declared_s),
             "worst_reaction_s": None if worst is None else float(worst),
             "distance_error_m": self.distance_error_m,
+            "distance_interval_violations": self.distance_interval_violations,
             "speed_interval_violations": self.speed_interval_violations,
             "premises_broken": list(broken(scenario)),
             "link_availability": summary(run.link.told).availability,

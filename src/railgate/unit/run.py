@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgate.odometer.host import Train, TrainState
+from railgate.odometer.host import Train
 from railgate.odometer.plant import Profile
 from railgate.unit.application import Replica, View, decide
+from railgate.unit.config import AXLES
 from railgate.unit.faults import vital_faults
 from railgate.unit.scenario import Scenario
 from railgate.unit.sensing import Link, Odometer, link, odometer
@@ -26,6 +26,8 @@ __all__ = ["STAGES", "Cycles", "Run", "run", "vital_scenario"]
 
 STAGES = ("FPGA 1's odometer", "FPGA 2's odometer", "position link", "both CPUs", "vital output")
 FPGAS = (1, 2)
+STILL = 7
+"""The column of a row of Train.replay that tells of standstill."""
 Floats = NDArray[np.float64]
 
 
@@ -114,15 +116,17 @@ def _cycles(
     there = np.searchsorted(position.times_s, times, side="right") - 1
     words = position.told.values["position"]
     word = np.where(there >= 0, words.filled(np.nan)[np.maximum(there, 0)], np.nan)
-    trains = [_trains(scenario, each) for each in odometers]
+    # Rows of speed, its bounds, way, its bounds, what was compensated, standstill, verdicts.
+    told = np.stack([_told(scenario, each) for each in odometers], axis=1)
+    stands = told[:, :, STILL] != 0
     alive = [_alive(scenario, fpga) for fpga in FPGAS]
     replicas = [Replica(scenario.rule, calls) for _ in FPGAS]
     image = np.zeros(times.size, np.int64)
     for n, (at, place) in enumerate(zip(times.tolist(), word.tolist(), strict=True)):
         known = None if np.isnan(place) else place
         views: list[View | None] = [
-            replica.update(at, told[n].standstill, known) if lives[n] else None
-            for replica, told, lives in zip(replicas, trains, alive, strict=True)
+            replica.update(at, still, known) if lives[n] else None
+            for replica, still, lives in zip(replicas, stands[n].tolist(), alive, strict=True)
         ]
         image[n] = decide(views)
     fields = {
@@ -133,29 +137,25 @@ def _cycles(
         times_s=times,
         speed_kmh=profile.speed_kmh(times),
         place_m=scenario.route.start_m + profile.position_m(times),
-        measured_kmh=_columns(trains, "speed_kmh"),
-        low_kmh=_columns(trains, "speed_low_kmh"),
-        high_kmh=_columns(trains, "speed_high_kmh"),
-        way_m=_columns(trains, "distance_m"),
-        way_low_m=_columns(trains, "distance_low_m"),
-        way_high_m=_columns(trains, "distance_high_m"),
-        stands=_columns(trains, "standstill"),
-        verdicts=_columns(trains, "verdicts"),
+        measured_kmh=3.6 * told[:, :, 0],
+        low_kmh=3.6 * told[:, :, 1],
+        high_kmh=3.6 * told[:, :, 2],
+        way_m=told[:, :, 3],
+        way_low_m=told[:, :, 4],
+        way_high_m=told[:, :, 5],
+        stands=stands,
+        verdicts=told[:, :, STILL + 1 : STILL + 1 + AXLES].astype(np.int64),
         word_m=word,
         image=image,
         **{name: column.astype(np.int64) for name, column in fields.items()},
     )
 
 
-def _trains(scenario: Scenario, told: Odometer) -> list[TrainState]:
-    """What a CPU makes of its odometer's snapshots."""
+def _told(scenario: Scenario, odometer: Odometer) -> NDArray[np.float64]:
+    """What a CPU makes of its odometer's snapshots: rows as of Train.replay."""
     unit = scenario.config
     train = Train(unit.odometer, unit.assumptions, unit.wheels, unit.rolling)
-    return [train.update(shots) for shots in told.shots]
-
-
-def _columns(trains: Sequence[Sequence[TrainState]], name: str) -> NDArray[Any]:
-    return np.stack([[getattr(state, name) for state in told] for told in trains], axis=1)
+    return train.replay(odometer.seen)
 
 
 def _alive(scenario: Scenario, cpu: int) -> NDArray[np.bool_]:

@@ -6,9 +6,10 @@ the whole run by itself, one after the other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,9 @@ from numpy.typing import NDArray
 from railgate.engines import open_engine
 from railgate.odometer.design import design as odometer_design
 from railgate.odometer.host import Snapshot, snapshots
+from railgate.odometer.host.membership import SEEN
 from railgate.odometer.plant import Profile
+from railgate.odometer.spec import Config
 from railgate.position_link.design import design as link_design
 from railgate.position_link.host import Deliveries, deliveries
 from railgate.position_link.plant import Scenario as LinkScenario
@@ -31,13 +34,30 @@ LINK_LEAD = 1
 """Cycles of the link beyond the run's end, so that the last one is whole."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Odometer:
-    """One FPGA's. stimulus: its pins and strobes, in ticks of its clock. shots: of each strobe one
-    snapshot of each axle."""
+    """One FPGA's. stimulus: its pins and strobes, in ticks of its clock. outputs: its fields."""
 
+    config: Config
     stimulus: Trace
-    shots: Sequence[tuple[Snapshot, ...]]
+    outputs: Trace
+
+    @cached_property
+    def shots(self) -> list[tuple[Snapshot, ...]]:
+        """Of each strobe one snapshot of each axle."""
+        axles = [snapshots(self.outputs, self.config, sensor) for sensor in range(AXLES)]
+        return list(zip(*axles, strict=True))
+
+    @cached_property
+    def seen(self) -> NDArray[Any]:
+        """Of each strobe what Train uses of the snapshots, shape (strobes, axles)."""
+        there = self.outputs["number"].ticks[1:]
+        found = np.empty((there.size, AXLES), SEEN)
+        for name in found.dtype.names or ():
+            for axle in range(AXLES):
+                field = name if name == "time" else f"sensor.{axle}.{name}"
+                found[name][:, axle] = self.outputs[field].at(there)
+        return found
 
 
 @dataclass(frozen=True)
@@ -87,8 +107,7 @@ def odometer(scenario: Scenario, fpga: int, profile: Profile, engine: str = "lea
     strobe = Waveform.of(ticks, np.arange(ticks.size) & 1)
     stimulus = given.merge(Trace({"strobe": strobe}, given.period, 0, given.end))
     outputs = open_engine(odometer_design(config), engine).advance(given.end, stimulus)
-    axles = [snapshots(outputs, config, sensor) for sensor in range(AXLES)]
-    return Odometer(stimulus, list(zip(*axles, strict=True)))
+    return Odometer(config, stimulus, outputs)
 
 
 def link(scenario: Scenario, profile: Profile, engine: str = "leap") -> Link:

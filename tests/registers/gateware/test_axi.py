@@ -3,5 +3,5 @@
 from registers.gateware.judged import judge
 
 
-def test_cocotbexts_master_finds_nothing_wrong():
-    judge("registers.gateware.judges.axi")
+def test_cocotbexts_master_finds_nothing_wrong(tmp_path):
+    judge("registers.gateware.judges.axi", tmp_path)

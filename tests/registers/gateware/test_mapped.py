@@ -74,6 +74,7 @@ def odometer(pause: int):
     return block, mapped, wheels
 
 
+@pytest.mark.shows("ODO-6", "ODO-7")
 def test_one_read_of_the_gate_gives_a_burst_of_one_tick_while_the_wheels_turn_on():
     block, mapped, wheels = odometer(pause=7)
 
@@ -93,6 +94,7 @@ def test_one_read_of_the_gate_gives_a_burst_of_one_tick_while_the_wheels_turn_on
     simulated(mapped, reads, background=[wheels])
 
 
+@pytest.mark.shows("ODO-7")
 def test_the_burst_is_read_again_without_a_gate_and_is_the_same_to_the_bit():
     block, mapped, wheels = odometer(pause=9)
 
@@ -108,6 +110,7 @@ def test_the_burst_is_read_again_without_a_gate_and_is_the_same_to_the_bit():
     simulated(mapped, reads, background=[wheels])
 
 
+@pytest.mark.shows("ODO-7")
 @pytest.mark.parametrize("by", ["register", "pin"])
 def test_a_common_strobe_is_the_gate_too_and_its_burst_is_waited_for(by):
     block, mapped, wheels = odometer(pause=9)
@@ -128,6 +131,7 @@ def test_a_common_strobe_is_the_gate_too_and_its_burst_is_waited_for(by):
     simulated(mapped, reads, background=[wheels])
 
 
+@pytest.mark.shows("ODO-6", "ODO-7")
 def test_a_gate_that_meets_a_common_strobe_joins_it_or_is_the_next_one():
     """Whatever the tick of the strobe before the read: the burst is one of the two, whole."""
     block, mapped, wheels = odometer(pause=9)
@@ -150,6 +154,7 @@ def test_a_gate_that_meets_a_common_strobe_joins_it_or_is_the_next_one():
     simulated(mapped, reads, background=[wheels])
 
 
+@pytest.mark.shows("ODO-13")
 def test_stamps_are_taken_one_by_one_none_twice_and_zero_when_there_is_none():
     block, mapped, _ = odometer(pause=1)
     times = [5, 50, 130]
@@ -174,6 +179,7 @@ def test_stamps_are_taken_one_by_one_none_twice_and_zero_when_there_is_none():
     simulated(mapped, reads)
 
 
+@pytest.mark.shows("ODO-8")
 def test_each_sensor_adds_as_many_words_to_the_one_burst():
     sizes = [
         odometer_registers(replace(ODOMETER, sensors=sensors)).place("snapshot").group.words
@@ -183,6 +189,7 @@ def test_each_sensor_adds_as_many_words_to_the_one_burst():
     assert sizes == [sizes[0] + own * more for more in (0, 1, 2, 15)]
 
 
+@pytest.mark.shows("SYS-5")
 def test_identity_and_digest_lead_each_block():
     blocks = [
         (odometer_registers(ODOMETER), Odometer(ODOMETER), b"ODO", ODOMETER.digest),
@@ -200,6 +207,7 @@ def test_identity_and_digest_lead_each_block():
         simulated(mapped, reads)
 
 
+@pytest.mark.shows("LNK-6", "LNK-7")
 def test_a_delivery_is_read_whole_while_the_next_one_comes():
     block = link_registers(LINK)
     mapped = Mapped(PositionLink(LINK), block)
@@ -226,6 +234,7 @@ def test_a_delivery_is_read_whole_while_the_next_one_comes():
     simulated(mapped, reads)
 
 
+@pytest.mark.shows("LNK-7")
 def test_a_cause_stays_seen_until_a_one_is_written_and_comes_up_anew_with_the_next_cycle():
     block = link_registers(LINK)
     mapped = Mapped(PositionLink(LINK), block)

@@ -75,6 +75,7 @@ def test_words_are_written_and_read_also_by_a_host_two_percent_off(off):
     run(uses, BIT_TICKS * (1 + off))
 
 
+@pytest.mark.shows("ODO-7")
 def test_a_retry_is_answered_with_the_same_and_accesses_nothing():
     async def uses(ctx, board, host):
         async def happens(events):
@@ -113,6 +114,7 @@ def test_a_write_is_made_once_for_all_retries():
     run(uses, background=[counts])
 
 
+@pytest.mark.shows("ODO-7")
 def test_a_lost_answer_loses_nothing_although_noise_comes_between():
     async def uses(ctx, board, host):
         ctx.set(board.banks[0].one_events, 0xFF)

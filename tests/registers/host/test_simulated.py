@@ -1,14 +1,17 @@
 """Buses over simulations: the same drivers read the same of gateware with its bank, and of a model
 whose bank is a model too."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
 from railgate.engines import Clock, Design, open_engine
 from railgate.odometer.device import OdometerDevice
+from railgate.position_link.design import design as link_design
 from railgate.position_link.device import LinkDevice
 from railgate.position_link.host import deliveries
+from railgate.position_link.registers import registers as link_registers
 from railgate.registers.host import AccessError, ModelledBus, Running, SimulatedBus
 from railgate.vital_output.device import ChannelDevice
 from registers.host.designs import ALONE, CHANNEL, LINK, ODOMETER, PINS, line, mapped
@@ -70,6 +73,54 @@ def test_a_links_deliveries_and_causes_are_the_same_through_the_bank_and_its_mod
         assert other.seen(clear=cycle % 2 == 0) == seen
         causes.append(seen)
     assert causes[1:7] == [(), ("check",), ("check",), (), ("timeout",), ()]
+
+
+@pytest.mark.shows("SYS-1", "LNK-6")
+@pytest.mark.parametrize("make", [gateware, model])
+def test_what_is_read_without_a_gate_is_of_the_last_one(make) -> None:
+    running, bus = make("position_link")
+    device = LinkDevice(bus, LINK)
+    fields = device.registers.read("delivery", again=True)
+    assert set(fields.values()) == {0}, "nothing before the first gate"
+    run = bus.run if make is model else lambda steps: running.run({}, steps, [])
+    run(LINK.delivery_ticks + 10)
+    first = device.registers.read("delivery")
+    assert first["number"] == 1
+    run(LINK.cycle_ticks)
+    assert device.registers.read("delivery", again=True) == first
+    assert device.registers.read("word") == {"word": first["word"]}
+    assert device.registers.read("delivery")["number"] == 2
+    assert device.registers.read("number", again=True) == {"number": 2}
+
+
+@pytest.mark.shows("LNK-7")
+@pytest.mark.parametrize("make", [gateware, model])
+def test_only_the_causes_that_are_written_are_cleared(make) -> None:
+    running, bus = make("position_link")
+    device = LinkDevice(bus, LINK)
+    run = bus.run if make is model else lambda steps: running.run({}, steps, [])
+    run(5 * LINK.cycle_ticks + LINK.delivery_ticks + 10)
+    assert device.seen() == ("timeout", "check")
+    device.registers.write("seen", timeout_seen=1, early_seen=1)
+    assert device.seen(clear=True) == ("check",)
+    assert device.seen() == ()
+
+
+def test_a_cause_is_seen_in_whatever_tick_it_comes() -> None:
+    """Also where its counter steps right as a run begins, or comes round within one."""
+    running, bus = model("position_link")
+    device = LinkDevice(bus, LINK)
+    bus.run(2 * LINK.cycle_ticks + 1 + LINK.delivery_ticks - running.now)
+    assert device.seen() == ()
+    bus.run(1)
+    assert device.seen() == ("check",)
+    small = replace(LINK, count_bits=8)
+    running = Running(link_design(small), "leap")  # a line on which nothing ever comes
+    device = LinkDevice(bus := ModelledBus(link_registers(small), running), small)
+    assert device.seen() == ()
+    bus.run(256 * LINK.cycle_ticks)
+    assert device.registers.read("delivery")["timeout_cycles"] == 0
+    assert device.seen() == ("timeout",)
 
 
 @pytest.mark.shows("SYS-1")

@@ -19,7 +19,7 @@ CYCLE = SMALL.cycle_ticks * 10**9
 LIMIT = SMALL.drift_limit_ppm
 
 PPM = st.integers(-100, 100)
-FAR = st.integers(LIMIT * 9 // 10, LIMIT * 11 // 10)
+FAR = st.integers(LIMIT * 9 // 10, LIMIT * 3 // 2)
 APART = st.one_of(PPM, FAR, FAR.map(lambda ppm: -ppm))
 """One clock from the other: by less than is allowed, or by about as much as is found."""
 

@@ -68,13 +68,14 @@ RULES = _dtype(
 )
 """The assumptions. clock_low: least factor on a nominal speed that the clock leaves."""
 AXLE = _dtype(
-    "verdict live suspect rolled position moved counted anchor start edge rises epoch "
-    "n ticks since run raw_position raw_rising changes illegal seated",
+    "verdict live suspect doubted faulty rolled position moved counted anchor start edge rises "
+    "epoch n ticks since run raw_position raw_rising changes illegal seated",
     "pitch wheel_low wheel_high low high "
     "told_low told_high met_low met_high speed_low speed_high way_low way_high",
 )
 """One axle. live: its hypothesis is possible. suspect: of two that are apart the likelier one to
-be off. rolled: never in doubt since `start`, the position at the reference. position, moved:
+be off, `doubted` since that tick. faulty: its edges were false, and it has not been believed since.
+rolled: never in doubt since `start`, the position at the reference. position, moved:
 unwrapped steps, in all and since the last strobe; counted: those that the train's way is told by.
 rises, edge: rising edges, tick of the last; epoch: counts what breaks their order. n, ticks, since:
 the window's periods (0: no measurement), their ticks, ticks from their end to the strobe. low,
@@ -210,7 +211,7 @@ def _decide(axle: Any, past: Any, flags: int, dt: int, train: Any, rules: Any) -
         axle.speed_low, axle.speed_high = axle.met_low, axle.met_high
         return
     if flags & FAULTY:
-        axle.verdict = LOST
+        axle.verdict, axle.faulty = LOST, 1
     elif axle.live:
         faster = own
         if own == 0:
@@ -305,7 +306,7 @@ def _gain(axle: Any, past: Any, strobe: int, span: int) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def _suspect(axles: Any, i: int, j: int, past: Any, strobe: int, span: int) -> None:
+def _suspect(axles: Any, i: int, j: int, past: Any, strobe: int, span: int, time: int) -> None:
     """Of two that went apart, the one that changed its speed more is the likelier one to be off."""
     gain, other, span = math.nan, math.nan, min(span, SPAN // 2)
     while span and (math.isnan(gain) or math.isnan(other)):
@@ -314,7 +315,7 @@ def _suspect(axles: Any, i: int, j: int, past: Any, strobe: int, span: int) -> N
         span //= 2
     first = abs(gain) > abs(other)
     axle = axles[i if first else j]
-    axle.suspect = 1
+    axle.suspect, axle.doubted = 1, time
     axle.verdict = SLIPPING if (gain > other) == first else SLIDING
 
 
@@ -331,7 +332,7 @@ def _pairs(axles: Any, past: Any, pairs: Any, strobe: int, time: int, rules: Any
             if pair.apart and live:
                 axles[i].rolled = axles[j].rolled = 0
                 if not axles[i].suspect and not axles[j].suspect:
-                    _suspect(axles, i, j, past, strobe, pair.apart)
+                    _suspect(axles, i, j, past, strobe, pair.apart, time)
             again = again or (was and not pair.apart and live)
     return again
 
@@ -394,17 +395,18 @@ def _free(axles: Any, train: Any, rules: Any, dt: float) -> None:
     A sliding wheel is never faster than the train and a slipping one never slower, nor are their
     means over a window.
     """
-    ahead, sliding, slipping = train.heading > 0, True, True
+    ahead, slides, slips = train.heading > 0, 0, 0
     for k in range(axles.size):
-        sliding = sliding and axles[k].verdict != SLIPPING
-        slipping = slipping and axles[k].verdict == SLIPPING
+        slips += 1 if axles[k].verdict == SLIPPING else 0
+        slides += 1 if axles[k].verdict != SLIPPING and not axles[k].faulty else 0
+    sliding, slipping = slides > 0 and not slips, slips == axles.size
     low, high = train.speed_low, train.speed_high
     low, high = (low, high) if ahead else (-high, -low)
     rise = rules.slide_rise if train.free and sliding else rules.a_max
     low, high, least, most = _coast(low, high, rules.a_max, rise, dt)
     for k in range(axles.size):
         axle = axles[k]
-        if axle.n and axle.verdict != LOST:
+        if axle.n and not axle.faulty:
             since = axle.since + axle.ticks / 2 + rules.late + rules.delay_ticks
             change = rules.a_max * since * rules.tick_max_s
             slow, fast = _true(axle, axle.low, axle.high, rules)
@@ -514,7 +516,7 @@ def _return(
     for i in range(axles.size):
         axle = axles[i]
         if not axle.live and _fits(axles, i, pairs, train, rules):
-            axle.live, axle.verdict, axle.epoch = 1, ADHERING, axle.epoch + 1
+            axle.live, axle.verdict, axle.faulty, axle.epoch = 1, ADHERING, 0, axle.epoch + 1
             past[i, train.strobe % RING, EPOCH] = axle.epoch
             axle.speed_low = max(axle.speed_low, train.speed_low)
             axle.speed_high = min(axle.speed_high, train.speed_high)
@@ -524,9 +526,26 @@ def _return(
 
 
 @njit(cache=True, nogil=True)
-def _look(axles: Any, seen: Any, past: Any, train: Any, rules: Any, dt: int) -> int:
+def _doubt(axles: Any, past: Any, train: Any, rules: Any) -> int:
+    """How many hypotheses live. One that has long been suspect ends with the last that was not."""
+    lives, sound = 0, False
+    for i in range(axles.size):
+        axle = axles[i]
+        fresh = axle.suspect and train.time - axle.doubted < rules.confirm_ticks
+        sound = sound or bool(axle.live and (not axle.suspect or fresh))
+    for i in range(axles.size):
+        axle = axles[i]
+        if axle.live and not sound:
+            axle.live, axle.suspect, axle.run, axle.epoch = 0, 0, 0, axle.epoch + 1
+            past[i, train.strobe % RING, EPOCH] = axle.epoch
+        lives += axle.live
+    return lives
+
+
+@njit(cache=True, nogil=True)
+def _look(axles: Any, seen: Any, past: Any, train: Any, rules: Any, dt: int) -> Any:
     """What each axle tells by itself; how many hypotheses live on."""
-    k, lives = train.strobe % RING, 0
+    k = train.strobe % RING
     for i in range(axles.size):
         axle = axles[i]
         _window(axle, seen[i], train.time, rules)
@@ -539,8 +558,7 @@ def _look(axles: Any, seen: Any, past: Any, train: Any, rules: Any, dt: int) -> 
         _possible(axles, i, rules.a_max * dt * rules.tick_max_s * (1 + OUTWARD))
     for i in range(axles.size):
         _decide(axles[i], past[i], seen[i].flags, dt, train, rules)
-        lives += axles[i].live
-    return lives
+    return _doubt(axles, past, train, rules)
 
 
 @njit(cache=True, nogil=True)

@@ -43,12 +43,19 @@ _FIELDS = attrgetter(*(SEEN.names or ()))
 
 
 class Verdict(IntEnum):
-    """How an axle turns, as far as can be told."""
+    """How an axle turns, as far as can be told.
+
+    SLIPPING: faster than the train. SLIDING: slower. LOST: its edges are false, or there have been
+    none for standstill_s of a moving train: a locked axle or a lost sensor.
+    """
 
     ADHERING = 0
     SLIPPING = 1
     SLIDING = 2
     LOST = 3
+
+
+_VERDICTS = tuple(Verdict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +106,7 @@ class TrainState(NamedTuple):
     distance_low_m: float
     distance_high_m: float
     standstill: bool
-    verdicts: tuple[int, ...]
+    verdicts: tuple[Verdict, ...]
     steps: tuple[int, ...]
     counted: tuple[int, ...]
     compensated_m: float
@@ -107,7 +114,7 @@ class TrainState(NamedTuple):
 
     @property
     def etcs_m(self) -> float:
-        """What ETCS allows the distance to be off: ±(5 m + 5 % of it). Ref: SUBSET-041, 5.3.1.1."""
+        """What ETCS allows the distance to be off: ±(5 m + 5 % of it). Ref: SUBSET-041."""
         return 5 + 0.05 * abs(self.distance_m)
 
     @property
@@ -122,7 +129,8 @@ class Train:
 
     wheels: the record of each axle's wheel, in the order of the sensors. They rule the diameters;
     config.wheel_diameter_m and assumptions.diameter_tolerance_m are not used. Until `refer` is
-    called the distance counts from the first strobe.
+    called the distance counts from the first strobe. After a reset of the odometer, whose counters
+    start anew, a new Train is needed.
     """
 
     def __init__(
@@ -210,7 +218,7 @@ class Train:
             way_low,
             way_high,
             still != 0 and n > 1,
-            tuple(whole[:n]),
+            tuple([_VERDICTS[value] for value in whole[:n]]),
             tuple(whole[n : 2 * n]),
             tuple(whole[2 * n : 3 * n]),
             free_m,

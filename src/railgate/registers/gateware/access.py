@@ -20,10 +20,11 @@ class BusAccess(wiring.Component):
     waits no more, answered in the next.
 
     bus: in, see bus_signature. index: out, the word of the access, from the tick after the request
-    on. gate: out, 1 bit, of a read. read, write: out, 1 bit, the access is done in this tick, by
-    the end of which `told`, `readable`, `writable` count: in, what a read tells, and whether there
-    is anything to read or write. waits: in, 1 bit, a read cannot be done in this tick. data: out, what
-    is written, and mask: out, a 1 for each of its bits whose strobe is 1.
+    on. gate: out, 1 bit, of a read. read, write: out, 1 bit, the access is done in this tick.
+    data: out, what is written; mask: out, 1 in each of its bits whose strobe is. told: in, what a
+    read tells, and readable, writable: in, 1 bit, whether there is anything to read, to write: all
+    three of this index, in the tick in which the access is done. waits: in, 1 bit, a read cannot be
+    done in this tick.
     """
 
     def __init__(self, address_bits: int) -> None:

@@ -70,6 +70,16 @@ def figures(result: Result) -> Iterator[Figure]:
     )
     error = result.distance_error_m
     yield Figure("distance at the end", distance(error), "odometer of FPGA 1 less the truth")
+    outside = result.distance_interval_violations
+    low, high = (
+        ends[-1, 0] - cycles.way_m[-1, 0] for ends in (cycles.way_low_m, cycles.way_high_m)
+    )
+    yield Figure(
+        "true distance outside its interval",
+        f"{outside} cycle{'s' * (outside != 1)}",
+        f"at the end it is {low:+.1f} to {high:+.1f} m",
+        "amber" if outside else "green",
+    )
     told = summary(run.link.told)
     faulty = sum(told.causes.values())
     yield Figure(
