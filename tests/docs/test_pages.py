@@ -66,6 +66,7 @@ def test_links_between_pages_lead_somewhere(site) -> None:
             assert (page.parent / link.partition("?")[0]).exists(), f"{page.name}: {link}"
 
 
+@pytest.mark.shows("SYS-1")
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_data_sheet_has_all_registers_and_numbers_of_its_function(site, name) -> None:
     told, of = text(site / "functions" / f"{name}.html"), FUNCTIONS[name]
@@ -90,6 +91,7 @@ def test_reference_pages_have_all_claims_requirements_and_scenarios(site) -> Non
     assert all(claim.name in told for claim in claims())
     told = text(folder / "requirements.html")
     assert all(f"{each.name}\n" in told and each.sentence in told for each in REQUIREMENTS)
+    assert all(claim.name in told for claim in claims())
     told = text(folder / "scenarios.html")
     assert all(name in told for name in builtins())
 
@@ -109,6 +111,7 @@ def test_of_single_faults_only_a_welded_contact_stays_closed(site) -> None:
     assert "welded" in rows[0]
 
 
+@pytest.mark.shows("SYS-1")
 def test_the_maps_are_there_for_other_tools(site) -> None:
     for fpga in (1, 2):
         rdl = (site / "maps" / f"fpga_{fpga}.rdl").read_text("utf-8")

@@ -16,7 +16,7 @@ from railgate.unit.application import Replica, View, decide
 from railgate.unit.config import AXLES
 from railgate.unit.faults import vital_faults
 from railgate.unit.scenario import Scenario
-from railgate.unit.sensing import Link, Odometer, link, odometer
+from railgate.unit.sensing import Link, Odometer, link, odometer, wheels
 from railgate.vital_output.plant import Command, Cpus
 from railgate.vital_output.plant import Scenario as VitalScenario
 from railgate.vital_output.simulate import Run as VitalRun
@@ -24,7 +24,14 @@ from railgate.vital_output.simulate import simulate
 
 __all__ = ["STAGES", "Cycles", "Run", "run", "vital_scenario"]
 
-STAGES = ("FPGA 1's odometer", "FPGA 2's odometer", "position link", "both CPUs", "vital output")
+STAGES = (
+    "wheels and sensors",
+    "odometer of FPGA 1",
+    "odometer of FPGA 2",
+    "position link",
+    "both CPUs",
+    "vital output",
+)
 FPGAS = (1, 2)
 STILL = 7
 """The column of a row of Train.replay that tells of standstill."""
@@ -94,14 +101,16 @@ def run(
         spent[name] = time.perf_counter() - begin
 
     profile, found = scenario.profile, []
-    for fpga, name in zip(FPGAS, STAGES, strict=False):
-        with stage(name):
-            found.append(odometer(scenario, fpga, profile, engine))
-    with stage(STAGES[2]):
-        position = link(scenario, profile, engine)
+    with stage(STAGES[0]):
+        channels = wheels(scenario, profile)
+    for fpga in FPGAS:
+        with stage(STAGES[fpga]):
+            found.append(odometer(scenario, fpga, channels, engine))
     with stage(STAGES[3]):
-        cycles = _cycles(scenario, profile, found, position)
+        position = link(scenario, profile, engine)
     with stage(STAGES[4]):
+        cycles = _cycles(scenario, profile, found, position)
+    with stage(STAGES[5]):
         vital = simulate(vital_scenario(scenario, cycles), scenario.config.vital, engine)
     return Run(scenario, engine, profile, (found[0], found[1]), position, cycles, vital, spent)
 

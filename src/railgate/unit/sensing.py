@@ -6,7 +6,8 @@ the whole run by itself, one after the other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -18,7 +19,7 @@ from railgate.engines import open_engine
 from railgate.odometer.design import design as odometer_design
 from railgate.odometer.host import Snapshot, snapshots
 from railgate.odometer.host.membership import SEEN
-from railgate.odometer.plant import Profile
+from railgate.odometer.plant import Channel, Profile
 from railgate.odometer.spec import Config
 from railgate.position_link.design import design as link_design
 from railgate.position_link.host import Deliveries, deliveries
@@ -28,7 +29,9 @@ from railgate.unit.faults import link_faults, sensors, wheel
 from railgate.unit.scenario import Scenario
 from railgate.waves import Trace, Waveform
 
-__all__ = ["Link", "Odometer", "link", "odometer", "pins", "strobes"]
+__all__ = ["Channels", "Link", "Odometer", "link", "odometer", "rate", "strobes", "wheels"]
+
+Channels = Mapping[str, Channel]
 
 LINK_LEAD = 1
 """Cycles of the link beyond the run's end, so that the last one is whole."""
@@ -75,16 +78,14 @@ def rate(scenario: Scenario, fpga: int) -> Fraction:
     return 1 + (scenario.ppm_1, scenario.ppm_2)[fpga - 1] / 1_000_000
 
 
-def pins(scenario: Scenario, fpga: int, profile: Profile) -> Trace:
-    """The pins a, b of every sensor, in ticks of the FPGA's clock, which is not quite exact."""
-    config = scenario.config.odometer
-    real = replace(config, clock_hz=int(config.clock_hz * rate(scenario, fpga)))
-    signals: dict[str, Waveform] = {}
+def wheels(scenario: Scenario, profile: Profile) -> Channels:
+    """What every sensor's channels do, by the names of their pins."""
+    config, found = scenario.config.odometer, dict[str, Channel]()
     for axle, sensor in enumerate(sensors(scenario.sensor, scenario.faults, scenario.seed)):
         turned = wheel(profile, axle + 1, scenario.faults)
-        for name, wave in sensor.drive(turned, real).signals.items():
-            signals[f"sensor.{axle}.{name}"] = wave
-    return Trace(signals, Fraction(1, config.clock_hz), 0, strobes(scenario, fpga)[-1])
+        for name, channel in sensor.channels(turned, config).items():
+            found[f"sensor.{axle}.{name}"] = channel
+    return found
 
 
 def strobes(scenario: Scenario, fpga: int) -> list[int]:
@@ -98,15 +99,17 @@ def strobes(scenario: Scenario, fpga: int) -> list[int]:
     return [-(-n * up // down) for n in range(1, scenario.cycles + 1)]
 
 
-def odometer(scenario: Scenario, fpga: int, profile: Profile, engine: str = "leap") -> Odometer:
-    """Run FPGA 1's or FPGA 2's odometer."""
-    config = scenario.config.odometer
-    given = pins(scenario, fpga, profile)
-    times = np.array(strobes(scenario, fpga)[:-1], np.int64)
+def odometer(scenario: Scenario, fpga: int, channels: Channels, engine: str = "leap") -> Odometer:
+    """Run FPGA 1's or FPGA 2's odometer; its clock is not quite exact."""
+    config, hz = scenario.config.odometer, scenario.config.odometer.clock_hz
+    *strobed, end = strobes(scenario, fpga)
+    times = np.array(strobed, np.int64)
     ticks = np.append(0, np.column_stack([times, times + 1]))
-    strobe = Waveform.of(ticks, np.arange(ticks.size) & 1)
-    stimulus = given.merge(Trace({"strobe": strobe}, given.period, 0, given.end))
-    outputs = open_engine(odometer_design(config), engine).advance(given.end, stimulus)
+    real_hz = float(hz * rate(scenario, fpga))
+    signals = {name: channel.wave(real_hz, end) for name, channel in channels.items()}
+    signals["strobe"] = Waveform.of(ticks, np.arange(ticks.size) & 1)
+    stimulus = Trace(signals, Fraction(1, hz), 0, end)
+    outputs = open_engine(odometer_design(config), engine).advance(end, stimulus)
     return Odometer(config, stimulus, outputs)
 
 

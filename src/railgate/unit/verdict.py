@@ -54,7 +54,7 @@ class Verdict:
         """Why it was not safe, a sentence each."""
         late = (
             f"{Side(each.output).name.lower()} doors: the contact stayed closed "
-            f"{float(each.unbacked_s) * 1e3:.1f} ms without an agreed, live 1"
+            f"{float(each.unbacked_s):.3f} s without an agreed, live 1"
             for each in self.overdue
         )
         return (*late, *map(str, self.wrong))

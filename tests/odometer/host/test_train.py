@@ -272,6 +272,36 @@ def test_wheels_beyond_their_records_are_told_by_their_ratio() -> None:
     assert not told[-1].rolled[1]
 
 
+def crept(train: Profile, *points: tuple[float, float]) -> Profile:
+    """A wheel whose speed is the train's and a part of it; points: of time and that part."""
+    times, parts = zip(*points, strict=True)
+    t = np.union1d(train.times_s, times)
+    return Profile(t, train.speed_kmh(t) / 3.6 * (1 + np.interp(t, times, parts)))
+
+
+@pytest.mark.parametrize("creep", [0.002, 0.0])
+def test_creep_that_is_assumed_is_no_slip_and_is_in_the_bounds(creep: float) -> None:
+    """The wheels' creep turns at 45 km/h within 0.1 s, the train speeding up nearly as it can."""
+    train = line((0, 0), (1, 0), (12, 11 * 3.6 * 1.45), (30, 11 * 3.6 * 1.45))
+    some, other = ((9, -0.002), (9.1, 0.002)), ((9, 0.002), (9.1, -0.002))
+    for parts in ((some, other), (some, some), (other, other)):
+        trip = ride(train, *(crept(train, *of) for of in parts))
+        times, told = follow(trip, Rolling(creep=creep))
+        wrong = bool(outside(trip, times, told).any() or verdicts(told).any())
+        assert wrong == (creep == 0)
+
+
+@pytest.mark.parametrize("condition", ["wet", "slide", "locked"])
+def test_fifty_milliseconds_will_do_too(condition: str) -> None:
+    for service in SERVICES.values():
+        trip = journey(service, condition, 2)
+        train = Train(CONFIG, Assumptions(tooth_error=TOOTH), records(trip), Rolling(confirm_s=0.2))
+        seen = by_places(trip, CONFIG, sensors(2, TOOTH), strobes(trip, CONFIG, 0.05))
+        told = judge(trip, train, seen)
+        assert (told.outside, told.false_alarms) == (0, 0)
+        assert max(told.detect_s) <= 0.15
+
+
 # While it lasts
 
 
@@ -349,6 +379,18 @@ def test_an_axle_long_in_doubt_is_not_believed_when_the_other_one_slides() -> No
     found = verdicts(told)
     assert set(found[(times > 3.1) & (times < 9), 0]) == {SLIPPING}
     assert set(found[(times > 6.1) & (times < 8), 1]) == {SLIDING}
+
+
+def test_what_was_flagged_before_the_first_strobe_costs_nothing() -> None:
+    train = line((0, 36), (3, 36))
+    trip = ride(train, train, train)
+    seen = by_places(trip, CONFIG, sensors(2), strobes(trip, CONFIG, WINDOW_S))
+    seen["flags"][0] = Flag.ILLEGAL
+    flagged, plain = (Train(CONFIG, Assumptions(), records(trip)) for _ in range(2))
+    told = flagged.replay(seen)
+    seen["flags"] = 0
+    assert np.array_equal(told, plain.replay(seen))
+    assert np.isfinite(told[5:]).all()
 
 
 def test_false_edges_on_both_axles_are_no_sign_of_a_brake() -> None:

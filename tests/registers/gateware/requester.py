@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 from amaranth.hdl import Const
 from amaranth.sim import Simulator
 
-MASK = (1 << 32) - 1
+NEVER = 1000
+"""Ticks that no answer takes."""
 
 
 class Answer(NamedTuple):
@@ -39,6 +40,7 @@ class Requester:
         ticks = 0
         while True:
             ticks += 1
+            assert ticks < NEVER, f"no answer to an access to {address:#x}"
             seen = await self.tick().sample(response.valid, response.data, response.error)
             valid, told, error = (int(Const.cast(each).value) for each in seen[-3:])
             if valid:

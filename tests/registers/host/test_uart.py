@@ -1,7 +1,7 @@
 """A board on a serial line: compiled gateware on a pseudo-terminal, with faults on the line."""
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import pytest
@@ -12,6 +12,7 @@ from railgate.position_link.spec import Status
 from railgate.registers.host import AccessError, NoAnswerError, UartBus
 from registers.host.desk import BAUD, MAP, UNIT, Line, Noise, answering, on_desk, quiet
 
+END = b"\xc0"
 WAIT_S = 0.5
 """The board of the tests is slower than a real one."""
 
@@ -89,6 +90,54 @@ def test_what_the_line_loses_loses_no_pulse_and_gates_once(
     shots = [board.odometer.snapshots()[0] for _ in range(12)]
     assert [shot.number - before.number for shot in shots] == list(range(1, 13))
     assert sum(shot.pulses for shot in shots) == shots[-1].a_rising - before.a_rising > 0
+
+
+class Whole:
+    """What comes of whole answers, of which the line brings pieces."""
+
+    def __init__(self, make: Callable[[bytes], bytes]) -> None:
+        self._make, self._piece = make, b""
+
+    def __call__(self, data: bytes) -> bytes:
+        self._piece += data
+        if self._piece.count(END) < 2:
+            return b""
+        whole, self._piece = self._piece, b""
+        return self._make(whole)
+
+
+def test_an_answer_that_is_spoilt_in_any_byte_is_none(board, monkeypatch) -> None:
+    """Each bit of the answer in turn, but for those that make another frame of it."""
+    monkeypatch.setattr(board.bus, "_wait_s", 0.05)
+    right = board.bus.read(0, 2)
+    spoilt = []
+
+    def spoil(answer: bytes) -> bytes:
+        """The first one of each request."""
+        at, bit = divmod(len(spoilt) // 2, 8)
+        spoilt.append(at)
+        if len(spoilt) % 2 or not 0 < at < len(answer) - 1:
+            return answer[:at] + bytes([answer[at] ^ 1 << bit]) + answer[at + 1 :]
+        return answer
+
+    board.line.to_host = Whole(spoil)
+    while len(spoilt) < 2 * 8 * 15:
+        assert board.bus.read(0, 2) == right
+
+
+def test_an_answer_that_comes_too_late_is_of_no_other_request(board) -> None:
+    last = [b""]
+
+    def twice(answer: bytes) -> bytes:
+        """Each one again, before the next."""
+        late, last[0] = last[0], answer
+        return late + answer
+
+    identity, configuration = board.bus.read(0, 2)
+    board.line.to_host = Whole(twice)
+    for _ in range(5):
+        assert board.bus.read(0) == [identity]
+        assert board.bus.read(4) == [configuration]
 
 
 def test_every_byte_can_be_sent_and_come_back(board) -> None:

@@ -75,14 +75,13 @@ AXLE = _dtype(
 )
 """One axle. live: its hypothesis is possible. suspect: of two that are apart the likelier one to
 be off, `doubted` since that tick. faulty: its edges were false, and it has not been believed since.
-rolled: never in doubt since `start`, the position at the reference. position, moved:
-unwrapped steps, in all and since the last strobe; counted: those that the train's way is told by.
-rises, edge: rising edges, tick of the last; epoch: counts what breaks their order. n, ticks, since:
-the window's periods (0: no measurement), their ticks, ticks from their end to the strobe. low,
-high, middle: its nominal mean speed and tick, old_: of the last one (middle < 0: none). told_: the
-train's speed at the strobe, as the axle alone tells it; met_, speed_: within what was possible.
-run: ticks for which it has kept within its own limits. anchor: the position at which the train's
-way was way_. raw_ … seated: as last seen."""
+rolled: never in doubt since `start`, the position at the reference. position, moved: unwrapped
+steps, in all and since the last strobe; counted: those that the train's way is told by. rises,
+edge: rising edges, tick of the last; epoch: counts what breaks their order. n, ticks, since: the
+window's periods (0: no measurement), their ticks, ticks from their end to the strobe. low, high:
+its nominal mean speed. told_: the train's speed at the strobe, as the axle alone tells it; met_,
+speed_: within what was possible. run: ticks for which it has kept within its own limits. anchor:
+the position at which the train's way was way_. raw_ … seated: as last seen."""
 PAIR = _dtype(
     "apart steady since", "low high base_low base_high new_low new_high held_low held_high"
 )
@@ -377,11 +376,8 @@ def _coast(low: float, high: float, a: float, rise: float, dt: float) -> Any:
 
     The speed falls by at most a, down to rest, and rises by at most `rise`.
     """
-    least = (
-        low * dt
-        if low <= 0
-        else (low * dt - a * dt * dt / 2 if low > a * dt else low * low / a / 2)
-    )
+    braked = min(dt, low / a) if low > 0 else 0.0
+    least = low * braked - a * braked * braked / 2 if low > 0 else low * dt
     fastest = max(high + rise * dt, 0.0)
     most = (max(high, 0.0) + fastest) / 2 * dt
     return max(low - a * dt, min(low, 0.0)), fastest, least, most
@@ -557,7 +553,8 @@ def _look(axles: Any, seen: Any, past: Any, train: Any, rules: Any, dt: int) -> 
     for i in range(axles.size):
         _possible(axles, i, rules.a_max * dt * rules.tick_max_s * (1 + OUTWARD))
     for i in range(axles.size):
-        _decide(axles[i], past[i], seen[i].flags, dt, train, rules)
+        flags = seen[i].flags if train.started else 0  # the first ones are of before
+        _decide(axles[i], past[i], flags, dt, train, rules)
     return _doubt(axles, past, train, rules)
 
 

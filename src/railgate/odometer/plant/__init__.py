@@ -15,13 +15,14 @@ from railgate.odometer.plant.profile import (
     run,
     shuttle,
 )
-from railgate.odometer.plant.sensor import Passed, Sensor
+from railgate.odometer.plant.sensor import Channel, Passed, Sensor
 from railgate.odometer.plant.services import SERVICES, Service
 
 __all__ = [
     "CONDITIONS",
     "PROFILES",
     "SERVICES",
+    "Channel",
     "Floats",
     "Journey",
     "Passed",

@@ -16,7 +16,7 @@ from railgate.odometer.spec import Config
 from railgate.waves import Trace, Waveform
 from railgate.waves.waveform import Ticks
 
-__all__ = ["Passed", "Sensor"]
+__all__ = ["Channel", "Passed", "Sensor"]
 
 MOST_PITCHES = 10_000_000
 """Of one run: some hundred kilometres."""
@@ -31,6 +31,20 @@ class Passed(NamedTuple):
     steps: Ticks
     last_rise: Ticks
     last_edge: Ticks
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One channel's level at the start, and the times at which it changes, s, rising."""
+
+    level: int
+    changes_s: Floats
+
+    def wave(self, clock_hz: float, end: int) -> Waveform:
+        """Its pin in ticks of a clock, below `end`."""
+        ticks = np.ceil(self.changes_s * clock_hz).astype(np.int64)
+        ticks = np.concatenate([[0], ticks[: np.searchsorted(ticks, end)]])
+        return Waveform.of(ticks, (np.arange(ticks.size) + self.level) & 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,20 +88,24 @@ class Sensor:
 
         A change is seen at the first tick that does not begin before it.
         """
-        period = Fraction(1, config.clock_hz)
         end = math.ceil(profile.duration_s * config.clock_hz)
-        random = self._random()
-        channels = {}
+        channels = {
+            name: channel.wave(config.clock_hz, end)
+            for name, channel in self.channels(profile, config).items()
+        }
+        return Trace(channels, Fraction(1, config.clock_hz), 0, end)
+
+    def channels(self, profile: Profile, config: Config) -> dict[str, Channel]:
+        """What a and b do over the profile, whatever the clock."""
+        random, found = self._random(), {}
         for name, lag, dead_s in (
             ("a", 0.0, self.a_dead_s),
             ("b", self.phase_deg / 360, self.b_dead_s),
         ):
             high, toggles = self._toggles(profile, config, lag, random)
             toggles = self._disturb(toggles, profile.duration_s, random)
-            ticks = np.ceil(np.sort(toggles[toggles < dead_s]) * config.clock_hz).astype(np.int64)
-            ticks = np.concatenate([[0], ticks[ticks < end]])
-            channels[name] = Waveform.of(ticks, (np.arange(ticks.size) + high) & 1)
-        return Trace(channels, period, 0, end)
+            found[name] = Channel(high, np.sort(toggles[toggles < dead_s], kind="stable"))
+        return found
 
     def rises(self, profile: Profile, config: Config, true: bool) -> tuple[Floats, Floats]:
         """When A rises, s, rising: in the stretches run forward, and in those in reverse.
@@ -142,7 +160,7 @@ class Sensor:
     ) -> tuple[int, Floats]:
         """One channel's level at the start and the times of its changes, without disturbances."""
         places = self._places(profile, config, lag, random, True).ravel()
-        times = profile.crossings((np.sort(places) - self.offset) * config.pitch_m)
+        times = profile.crossings((np.sort(places, kind="stable") - self.offset) * config.pitch_m)
         behind = int(np.count_nonzero(places <= self.offset))
         return behind & 1, times
 

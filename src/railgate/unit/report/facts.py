@@ -68,18 +68,7 @@ def figures(result: Result) -> Iterator[Figure]:
         f"of {cycles.times_s.size}, by either odometer",
         "amber" if outside else "green",
     )
-    error = result.distance_error_m
-    yield Figure("distance at the end", distance(error), "odometer of FPGA 1 less the truth")
-    outside = result.distance_interval_violations
-    low, high = (
-        ends[-1, 0] - cycles.way_m[-1, 0] for ends in (cycles.way_low_m, cycles.way_high_m)
-    )
-    yield Figure(
-        "true distance outside its interval",
-        f"{outside} cycle{'s' * (outside != 1)}",
-        f"at the end it is {low:+.1f} to {high:+.1f} m",
-        "amber" if outside else "green",
-    )
+    yield _distance(result)
     told = summary(run.link.told)
     faulty = sum(told.causes.values())
     yield Figure(
@@ -97,7 +86,20 @@ def figures(result: Result) -> Iterator[Figure]:
     )
 
 
-def distance(metres: float) -> str:
+def _distance(result: Result) -> Figure:
+    cycles, outside = result.run.cycles, result.distance_interval_violations
+    ends = (cycles.way_low_m, cycles.way_high_m)
+    low, high = (column[-1, 0] - cycles.way_m[-1, 0] for column in ends)
+    return Figure(
+        "distance at the end",
+        _metres(result.distance_error_m),
+        f"guaranteed to {low:+.1f} … {high:+.1f} m; true one outside in {outside or 'no'} "
+        f"cycle{'s' * (outside != 1)}",
+        "amber" if outside else "",
+    )
+
+
+def _metres(metres: float) -> str:
     """As `+3.2 mm`, `-132.46 m`."""
     return f"{metres * 1e3:+.1f} mm" if abs(metres) < 1 else f"{metres:+.2f} m"
 
@@ -107,10 +109,11 @@ def _reaction(run: Run) -> Figure:
     declared = f"declared {float(verdict.declared_s) * 1e3:.1f} ms"
     failure, command = verdict.worst_s("failure"), verdict.worst_s("command")
     worst = command if failure is None else failure
+    tone = "red" if verdict.violations else ""
     if worst is None:
         return Figure("reaction", "not seen", f"no contact opened; {declared}")
     why = "by command" if failure is None else "by a failure"
-    return Figure("slowest reaction", f"{float(worst) * 1e3:.1f} ms", f"{why}; {declared}")
+    return Figure("slowest reaction", f"{float(worst) * 1e3:.1f} ms", f"{why}; {declared}", tone)
 
 
 def _found(injected: Sequence[Injected]) -> Figure:
