@@ -71,6 +71,12 @@ def test_the_page_needs_nothing_beside_it(html: str, parsed: Page) -> None:
     assert len(html) < 600_000
 
 
+def test_the_page_has_the_licence_of_what_draws_its_charts(html: str) -> None:
+    assert "uPlot (v1.6.32)" in html
+    assert "uPlot 1.6.32, MIT licence" in html
+    assert "Permission is hereby granted, free of charge" in html
+
+
 def test_every_event_has_a_row_with_time_source_text_and_its_waves(
     result: Result, parsed: Page
 ) -> None:
@@ -143,7 +149,7 @@ def test_lanes_have_what_the_run_was_in(result: Result) -> None:
         (second.arrives_s, second.departs_s),
     ]
     assert ("alarm", "red") in {span[2:] for span in found["position link"].spans}
-    assert {span[2] for span in found["odometer 1, axle 2"].spans} <= {"slides", "lost"}
+    assert {span[2] for span in found["odometer 1, axle 2"].spans} <= {"sliding", "lost"}
     assert "odometer 1, axle 1" not in found, "it has rolled all the time"
     relay = found["left doors, relay"].spans
     closings = result.run.vital.verdict.closings

@@ -63,7 +63,7 @@ def _begun(told: Iterable[Told], pause_s: float) -> Iterator[Told]:
         kind = source, NUMBERS.sub("", what)
         before = last.get(kind)
         last[kind] = time_s
-        lasting = what.startswith(("vote", "message", "frame"))
+        lasting = what.startswith(("vote", "message", "frame", "clock"))
         if not lasting or before is None or time_s - before > pause_s:
             yield time_s, source, what
 
@@ -93,8 +93,8 @@ def _faults(run: Run) -> Iterator[Told]:
         if fault.part == "vital":
             continue  # the vital output's own timeline has them
         of = f"axle {fault.axle} " if fault.part == "wheel" else "position link "
-        name = f"{of}{fault.kind}"
-        yield float(fault.start_s), "fault", f"{name}: {FAULTS[fault.part][fault.kind]}"
+        name, does = f"{of}{fault.kind}", FAULTS[fault.part][fault.kind].partition("; value")[0]
+        yield float(fault.start_s), "fault", f"{name}: {does}"
         if fault.end_s is not None and fault.end_s < run.scenario.seconds:
             yield float(fault.end_s), "fault", f"{name} ends"
 

@@ -83,8 +83,18 @@ class Fault:
         return self.kind, self.start_s, self.end_s, self.value
 
 
-def link_faults(faults: Sequence[Fault]) -> tuple[LinkFault, ...]:
-    return tuple(LinkFault(*fault._told) for fault in faults if fault.part == "link")
+def link_faults(faults: Sequence[Fault], rate: Fraction) -> tuple[LinkFault, ...]:
+    """Those of the link, by a clock that counts `rate` seconds in one."""
+    return tuple(
+        LinkFault(
+            fault.kind,
+            fault.start_s * rate,
+            None if fault.end_s is None else fault.end_s * rate,
+            fault.value,
+        )
+        for fault in faults
+        if fault.part == "link"
+    )
 
 
 def vital_faults(faults: Sequence[Fault]) -> tuple[VitalFault, ...]:

@@ -22,7 +22,7 @@ __all__ = ["show", "show_scenarios", "tone"]
 ROWS = 40
 """Events of a summary; the report and the files have all."""
 TONES = (
-    ("", (" again",)),
+    ("", (" again", "adhering")),
     ("red", ("alarm", "forced to 0", "longer than declared", "without a live 1", "upset")),
     ("amber", ("rejected", "failed", "lost", "warning", "off its", "not trusted", "axle")),
     ("green", ("contact closes",)),

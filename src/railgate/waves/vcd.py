@@ -135,7 +135,7 @@ def write_gtkw(
             raise ValueError(f'a format must be one of {", ".join(get_args(Format))}, not "{how}"')
     with replacing(path) as unfinished, unfinished.open("w", encoding="utf-8") as file:
         save = GTKWSave(file)
-        save.dumpfile(str(vcd_path))
+        save.dumpfile(str(vcd_path), abspath=False)
         for title, members in (_scopes(trace) if groups is None else groups).items():
             with save.group(title):
                 for name in members:

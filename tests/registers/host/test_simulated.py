@@ -4,6 +4,7 @@ whose bank is a model too."""
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from railgate.engines import Clock, Design, open_engine
@@ -12,7 +13,7 @@ from railgate.position_link.design import design as link_design
 from railgate.position_link.device import LinkDevice
 from railgate.position_link.host import deliveries
 from railgate.position_link.registers import registers as link_registers
-from railgate.registers.host import AccessError, ModelledBus, Running, SimulatedBus
+from railgate.registers.host import AccessError, MemoryBus, ModelledBus, Running, SimulatedBus
 from railgate.vital_output.device import ChannelDevice
 from registers.host.designs import ALONE, CHANNEL, LINK, ODOMETER, PINS, line, mapped
 from registers.maps import every_kind
@@ -52,6 +53,27 @@ def test_an_odometers_snapshots_are_the_same_through_the_bank_and_its_model(engi
     twin.run(again[0].time - modelled.now)
     other.strobe()
     assert other.snapshots(again=True) == again
+
+
+@pytest.mark.shows("SYS-1")
+def test_a_driver_reads_the_same_of_memory(tmp_path) -> None:
+    """Of a file that holds what a board's addresses held."""
+    real, bus = gateware("odometer")
+    real.run({}, 3000, [])
+    shots = OdometerDevice(bus, ODOMETER).snapshots()
+    block = ALONE["odometer"][1]
+    words = np.zeros(block.size // 4, np.uint32)
+    words[:2] = bus.read(0, 2)
+    snapshot = block.place("snapshot")
+    held = bus.read(snapshot.again, snapshot.group.words)
+    for offset in (snapshot.offset, snapshot.again):
+        words[offset // 4 :][: len(held)] = held
+    file = tmp_path / "memory"
+    file.write_bytes(words.tobytes())
+    with MemoryBus(file, block.size) as memory:
+        device = OdometerDevice(memory, ODOMETER)
+        device.registers.require_same()
+        assert device.snapshots() == device.snapshots(again=True) == shots
 
 
 @pytest.mark.shows("SYS-1", "LNK-7")

@@ -54,8 +54,8 @@ STANDS: Look = {1: ("standstill", "blue")}
 COMMANDED: Look = {1: ("release commanded", "ink")}
 CLOSED: Look = {1: ("closed: doors released", "ink")}
 VERDICTS: Look = {
-    Verdict.SLIPPING: ("slips", "amber"),
-    Verdict.SLIDING: ("slides", "violet"),
+    Verdict.SLIPPING: ("slipping", "amber"),
+    Verdict.SLIDING: ("sliding", "violet"),
     Verdict.LOST: ("lost", "red"),
 }
 OUTSIDE: Look = {1: ("the true speed is outside", "red")}
@@ -118,7 +118,7 @@ def _odometers(result: Result) -> Iterator[Lane]:
         for axle in range(cycles.verdicts.shape[2]):
             spans = stretches(cycles.times_s, cycles.verdicts[:, fpga - 1, axle], end, VERDICTS)
             if spans:
-                yield Lane(f"odometer {fpga}, axle {axle + 1}", "rolls", spans)
+                yield Lane(f"odometer {fpga}, axle {axle + 1}", "adhering", spans)
         if result.outside[:, fpga - 1].any():
             spans = stretches(cycles.times_s, result.outside[:, fpga - 1], end, OUTSIDE)
             yield Lane(f"odometer {fpga}, speed's interval", "holds", spans)

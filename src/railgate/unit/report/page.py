@@ -76,7 +76,7 @@ def page(result: Result) -> str:
         tone=tone,
         source_tone=lambda source: SOURCES.get(source, "grey"),
         styles=Markup(_text("vendor/uPlot.min.css") + _text("style.css")),
-        uplot=Markup(_text("vendor/uPlot.iife.min.js")),
+        uplot=Markup(f"/*\n{_text('vendor/LICENSE')}*/\n{_text('vendor/uPlot.iife.min.js')}"),
         script=Markup(_text("charts.js")),
     )
 
