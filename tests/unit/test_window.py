@@ -14,7 +14,7 @@ from railgate.unit.route import Route, Side, Stop
 from railgate.unit.run import Run, run
 from railgate.unit.scenario import Scenario
 from railgate.unit.scenario_file import builtin, builtins
-from railgate.unit.window import Case, cases, compared, replay
+from railgate.unit.window import Case, cases, compared, replay, replayable
 from railgate.vital_output.situations import ready_s
 
 SHORT = Scenario(
@@ -43,7 +43,7 @@ def of(span: tuple[Fraction, Fraction], function: str) -> Case:
 
 
 def test_a_window_at_the_start_is_the_run_itself_in_rtl() -> None:
-    found = replay(ran(), (Fraction(0), Fraction(3, 100)), "cxxrtl")
+    found = list(replay(ran(), (Fraction(0), Fraction(3, 100)), "cxxrtl"))
     assert [each.difference for each in found] == [None] * 4
     assert {each.warm_s for each in found} == {Fraction(0)}
     assert found[0].ticks == 480_048
@@ -75,7 +75,7 @@ def test_the_vital_output_is_warmed_up_with_what_the_run_had() -> None:
 @pytest.mark.parametrize("span", [(-1, 1), (1, 1), (0, 100)])
 def test_a_window_outside_the_run_is_refused(span: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="a window must lie inside the run"):
-        replay(ran(), (Fraction(span[0]), Fraction(span[1])), "cxxrtl")
+        replayable(SHORT, (Fraction(span[0]), Fraction(span[1])), "cxxrtl")
 
 
 @pytest.mark.slow

@@ -83,7 +83,6 @@ class OdometerGauge:
         way = Direction(shot.direction)
         if self._before is not None:
             way = direction(self._before[n], shot, config)
-        raised = [str(flag.name).lower() for flag in Flag if flag in shot.causes]
         return {
             "speed_kmh": estimate.value_kmh,
             "speed_low_kmh": estimate.low_kmh,
@@ -91,7 +90,7 @@ class OdometerGauge:
             "direction": way.name.lower(),
             "pulses": shot.pulses,
             "position_m": distance_m(shot.position, config),
-            "flags": [*dict.fromkeys((*raised, *estimate.flags))],
+            "flags": [str(flag.name).lower() for flag in Flag if flag in shot.causes],
         }
 
 

@@ -32,7 +32,9 @@ def attach_(
         typer.Argument(help="A serial port, as /dev/ttyUSB0, or sim:, or sim: and a scenario."),
     ],
     baud: Annotated[int, typer.Option(min=1, help="Bits a second on a serial port.")] = 115_200,
-    unit: Annotated[str, typer.Option(help="What the board is configured as.")] = "metro",
+    unit: Annotated[
+        str, typer.Option(help="What the board is configured as: metro, maglev.")
+    ] = "metro",
     every: Annotated[str, typer.Option(help="Time from reading to reading.")] = "200ms",
     skip: Annotated[str, typer.Option(help="So much of a scenario is not shown.")] = "0s",
     once: Annotated[bool, typer.Option("--once", help="One reading, then end.")] = False,

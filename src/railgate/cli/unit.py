@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 
 from railgate.cli.output import present
 from railgate.engines import ENGINES
+from railgate.quantity import span_s
 from railgate.unit.run import STAGES, run
 from railgate.unit.scenario import Scenario
 from railgate.unit.scenario_file import builtin, builtins, read_scenario
@@ -30,6 +31,10 @@ def run_(
     engine: Annotated[
         str, typer.Option(help=f"{', '.join(ENGINES)}: leap is the model, the others the gateware.")
     ] = "leap",
+    window: Annotated[
+        str | None,
+        typer.Option(help="T0..T1: run on leap, and this part of it on ENGINE too; compare both."),
+    ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
@@ -43,14 +48,19 @@ def run_(
     from railgate.unit.record import record
     from railgate.unit.result import Result
     from railgate.unit.table import show
+    from railgate.unit.window import replay, replayable
 
     name, text, chosen = _chosen(scenario)
+    span = None if window is None else replayable(chosen, span_s(window), engine)
     with _staged((*STAGES, "report and files")) as begin:
-        result = Result(name, text, run(chosen, engine, begin))
+        ran = run(chosen, engine if span is None else "leap", begin)
+        windows = () if span is None else tuple(replay(ran, span, engine, begin))
         begin("report and files")
+        result = Result(name, text, ran, windows)
         paths = record(result, out or OUT / name)
     present(result.as_json() if json else show(result), paths[:1])
-    raise typer.Exit(int(not result.verdict.safe))
+    differs = any(each.difference is not None for each in windows)
+    raise typer.Exit(int(differs or not result.verdict.safe))
 
 
 def scenarios_(
@@ -97,11 +107,17 @@ def _chosen(name: str) -> tuple[str, str, Scenario]:
 
 @contextmanager
 def _staged(stages: tuple[str, ...]) -> Iterator[Callable[[str], None]]:
-    """A bar on the terminal that names the stage under way; it is told of each that begins."""
+    """A bar on the terminal that names the stage under way; it is told of each that begins. One
+    that is not of `stages` is only named."""
     console = Console(stderr=True)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
     ) as bar:
         task = bar.add_task("scenario", total=len(stages))
-        yield lambda stage: bar.update(task, description=stage, completed=stages.index(stage))
+
+        def begin(stage: str) -> None:
+            done = stages.index(stage) if stage in stages else None
+            bar.update(task, description=stage, completed=done)
+
+        yield begin

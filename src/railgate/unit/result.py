@@ -16,17 +16,20 @@ from railgate.unit.excerpts import Excerpts, excerpts
 from railgate.unit.findings import Injected, injected
 from railgate.unit.run import Run
 from railgate.unit.verdict import Verdict, judge
+from railgate.unit.window import Replayed
 
 __all__ = ["Result"]
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """name: of the scenario, as it was called. text: its TOML. run: what came of it."""
+    """name: of the scenario, as it was called. text: its TOML. run: what came of it. windows: of
+    each function a part of it, run again in RTL."""
 
     name: str
     text: str
     run: Run
+    windows: tuple[Replayed, ...] = ()
 
     @cached_property
     def events(self) -> list[Event]:
@@ -100,6 +103,7 @@ class Result:
             "speed_interval_violations": self.speed_interval_violations,
             "premises_broken": list(broken(scenario)),
             "link_availability": summary(run.link.told).availability,
+            "windows": [{**vars(each), "warm_s": float(each.warm_s)} for each in self.windows],
             "faults": [_fault(each) for each in self.injected],
             "events": [
                 {**vars(event), "waves": None if span is None else Excerpts.name(span)}

@@ -126,7 +126,8 @@ def link(scenario: Scenario, profile: Profile, engine: str = "leap") -> Link:
             "sequence": np.arange(cycles) % 16,
         }
     )
-    outside = LinkScenario(words=words, faults=link_faults(scenario.faults, real), seed=scenario.seed)
+    faults = link_faults(scenario.faults, real)
+    outside = LinkScenario(words=words, faults=faults, seed=scenario.seed)
     stimulus = outside.plan(config, cycles).drive()
     names = ["delivery", *(field.name for field in config.fields)]
     outputs = open_engine(link_design(config), engine).advance(stimulus.end, stimulus, names)

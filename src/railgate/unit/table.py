@@ -16,6 +16,7 @@ from railgate.unit.events import Event
 from railgate.unit.findings import Injected
 from railgate.unit.result import Result
 from railgate.unit.scenario import Scenario
+from railgate.unit.window import Replayed
 
 __all__ = ["show", "show_scenarios", "tone"]
 
@@ -122,6 +123,7 @@ def _figures(result: Result) -> list[tuple[str, RenderableType]]:
         ("reaction", _reaction(result)),
         *(("not kept", Text(premise, "yellow")) for premise in broken(scenario)),
         ("engine", f"{run.engine}, {run.real_time_factor:.1f} × real time"),
+        *(("in RTL", _window(each)) for each in result.windows),
         ("verdict", _verdict(result)),
     ]
 
@@ -133,6 +135,13 @@ def _reaction(result: Result) -> str:
         worst = verdict.worst_s(why)
         told.append(f"{text} {'not seen' if worst is None else f'at most {_ms(worst)}'}")
     return "; ".join(told)
+
+
+def _window(each: Replayed) -> Text:
+    warm = f"{each.function}, from {float(each.warm_s):.3f} s on, {each.ticks} ticks"
+    if each.difference is None:
+        return Text(f"{warm}: all outputs as the model's", "green")
+    return Text(f"{warm}: not as the model's: {each.difference}", "bold red")
 
 
 def _verdict(result: Result) -> Text:

@@ -19,6 +19,7 @@ from railgate.engines import Clock, Design, Engine, open_engine
 from railgate.odometer.design import design as odometer_design
 from railgate.position_link.design import design as link_design
 from railgate.unit.run import Run
+from railgate.unit.scenario import Scenario
 from railgate.unit.sensing import rate
 from railgate.vital_output.loop import loop
 from railgate.vital_output.plant import FAULTS, Command, Fault
@@ -27,7 +28,7 @@ from railgate.vital_output.situations import ready_s
 from railgate.vital_output.spec import Config as VitalConfig
 from railgate.waves import Trace
 
-__all__ = ["Case", "Replayed", "cases", "compared", "replay"]
+__all__ = ["Case", "Replayed", "cases", "compared", "replay", "replayable"]
 
 SENSOR_LEAD_S = Fraction(1, 4)
 """The odometer's: some windows between strobes."""
@@ -64,27 +65,31 @@ class Case:
     ticks: int
 
 
-def replay(
-    run: Run, span: Span, engine: str, progress: Callable[[str, float], None] | None = None
-) -> list[Replayed]:
-    """All functions in a window of the run, on this engine and on leap. Raises ValueError.
-
-    progress: is told of each function the part done.
-    """
+def replayable(scenario: Scenario, span: Span, engine: str) -> Span:
+    """The span itself. Raises ValueError unless it is inside the run and the engine RTL."""
     start, end = span
-    if not 0 <= start < end <= run.scenario.seconds:
+    if not 0 <= start < end <= scenario.seconds:
         raise ValueError(
-            f"a window must lie inside the run, 0 s..{float(run.scenario.seconds):g} s, "
+            f"a window must lie inside the run, 0 s..{float(scenario.seconds):g} s, "
             f"not {float(start):g} s..{float(end):g} s"
         )
     if engine == "leap":
-        raise ValueError("a window must be replayed on another engine than leap")
-    return [compared(case, engine, progress) for case in cases(run, span)]
+        raise ValueError("a window must be replayed on --engine cxxrtl or pysim, not on leap")
+    return span
 
 
-def compared(
-    case: Case, engine: str, progress: Callable[[str, float], None] | None = None
-) -> Replayed:
+def replay(
+    run: Run, span: Span, engine: str, progress: Callable[[str], None] | None = None
+) -> Iterator[Replayed]:
+    """All functions in a window of the run, on this engine and on leap. Raises ValueError.
+
+    progress: is told of each function and the part done.
+    """
+    for case in cases(run, replayable(run.scenario, span, engine)):
+        yield compared(case, engine, progress)
+
+
+def compared(case: Case, engine: str, progress: Callable[[str], None] | None = None) -> Replayed:
     """One function on leap and on another engine, to its end or to the first difference."""
     engines: tuple[Engine, ...] = (
         open_engine(case.design, "leap"),
@@ -97,7 +102,7 @@ def compared(
         leap, other = (each.advance(until, case.stimulus) for each in engines)
         difference = leap.first_difference(other)
         if progress:
-            progress(case.function, n / PARTS)
+            progress(f"{case.function} on {engine}, {100 * n // PARTS} %")
         if difference is not None:
             break
     return Replayed(

@@ -35,7 +35,10 @@ class Requester:
         asked = {"address": address, "write": write, "data": data or 0, "strobes": strobes * write}
         ctx.set(request.payload, asked)
         ctx.set(request.valid, 1)
-        await self.tick().until(request.ready)
+        ready = 0
+        while not ready:
+            *_, ready, answers = await self.tick().sample(request.ready, response.valid)
+            assert not answers, "an answer to no request"
         ctx.set(request.valid, 0)
         ticks = 0
         while True:
