@@ -11,7 +11,16 @@ import pytest
 from typer.models import OptionInfo
 
 from proving.counting import NeverAbove, claim
-from railgate.cli import evidence, odometer, position_link, proofs, residual, vital_output
+from railgate.cli import (
+    attach,
+    evidence,
+    odometer,
+    position_link,
+    proofs,
+    registers,
+    residual,
+    vital_output,
+)
 from railgate.odometer.spec import Flag
 from railgate.position_link.plant import FAULTS
 from railgate.position_link.spec import Cause
@@ -152,6 +161,8 @@ COMMANDS = {
     ("residual",): residual.residual_,
     ("prove",): proofs.prove_,
     ("evidence",): evidence.evidence_,
+    ("attach",): attach.attach_,
+    ("registers",): registers.registers_,
 }
 ELSEWHERE = {("simulate", "odometer"): ("measure",), ("decode",): ("simulate", "link")}
 """Where the options that a command shares with another are told."""

@@ -61,7 +61,9 @@ def _channel(told: Told) -> Rows:
     counted = [f"{count} {name}" for name, count in told["causes"].items()]
     yield "causes", ", ".join(_odd(counted)) or "none"
     if told["first_cause"] != "none":
-        yield "first cause", f"{told['first_cause']}, output {told['first_output']}"
+        alarm = told["first_cause"].endswith("alarm")
+        output = f", output {told['first_output']}" if alarm else ""
+        yield "first cause", told["first_cause"] + output
     yield "seen", ", ".join(_odd(told["seen"])) or "no cause"
 
 

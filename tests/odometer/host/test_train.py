@@ -323,6 +323,21 @@ def test_while_both_axles_slide_the_bounds_follow_the_train_and_the_interval_gro
     assert 5 < width[-1] < 200
     assert all(s.distance_low_m <= s.distance_m <= s.distance_high_m for s in told)
     assert told[-1].compensated_m > 100
+    assert told[np.searchsorted(times, 12.98)].speed_low_kmh > 75  # the recovering wheel's
+
+
+def test_while_both_axles_slip_the_slower_wheel_bounds_the_train() -> None:
+    train = line((0, 20), (20, 56))
+    slips = line((0, 20), (5, 29), (5.3, 40), (6, 31.8), (9, 37.2), (9.2, 36.56), (20, 56))
+    more = line((0, 20), (5, 29), (5.3, 42), (6, 32.8), (9, 38.2), (9.3, 36.74), (20, 56))
+    trip = ride(train, slips, more)
+    times, told = follow(trip)
+    assert not outside(trip, times, told).any()
+    free = (times > 5.2) & (times < 9)
+    assert (verdicts(told)[free] == SLIPPING).all()
+    high = np.array([s.speed_high_kmh for s in told])
+    assert (high - train.speed_kmh(times))[(times > 6.1) & free].max() < 1.5
+    assert not verdicts(told)[times > 10.7].any()
 
 
 def test_where_both_axles_lock_the_bounds_fall_as_assumed() -> None:
@@ -353,16 +368,17 @@ def test_one_axle_is_taken_at_the_age_at_which_a_slide_would_have_been_found() -
     assert wide - fine == pytest.approx(2 * 3.6 * 1.5 * 0.1, rel=0.1)
 
 
-def test_a_slip_that_comes_and_goes_leaves_its_doubt_in_the_way() -> None:
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_slip_that_comes_and_goes_leaves_its_doubt_in_the_way(first: int) -> None:
     """0.5 m/s² is within what the train can: which axle is right stays open, so both count."""
     train = line((0, 72), (12, 72))
     wheel = line((0, 72), (3, 72), (5, 75.6), (7, 72), (12, 72))
-    trip = ride(train, wheel, train)
+    trip = ride(train, *((wheel, train) if first == 0 else (train, wheel)))
     times, told = follow(trip)
     assert not outside(trip, times, told).any()
     found = verdicts(told)
-    assert set(found[(times > 3.1) & (times < 7), 0]) == {SLIPPING}
-    assert not found[:, 1].any()
+    assert set(found[(times > 3.1) & (times < 7), first]) == {SLIPPING}
+    assert not found[:, 1 - first].any()
     assert not found[(times < 3) | (times > 8.5)].any()
     width = told[-1].distance_high_m - told[-1].distance_low_m
     assert width == pytest.approx(2.0, abs=0.1)  # ½ · 1 m/s · 4 s
@@ -408,12 +424,38 @@ def test_an_axle_is_believed_again_only_with_another_and_only_after_a_while() ->
     train = line((0, 90), (12, 90))
     held = line((0, 90), (3, 90), (3.4, 72), (12, 72))  # slides on at an even speed
     brief = line((0, 90), (4, 90), (4.5, 72), (5, 90), (12, 90))
-    trip = ride(train, held, brief)
-    times, told = follow(trip)
-    found = verdicts(told)
+    through = line((0, 90), (4, 90), (5, 54), (12, 50))  # falls through the other's speed
+    for other in (brief, through):
+        trip = ride(train, held, other)
+        times, told = follow(trip)
+        found = verdicts(told)
+        assert not outside(trip, times, told).any()
+        assert (found[times > 3.1, 0] != ADHERING).all()
+        assert (found[times > 4.1, 1] != ADHERING).all()
+
+
+def test_the_only_axle_left_is_believed_again_after_two_seconds() -> None:
+    train = line((0, 90), (14, 90))
+    slides = line((0, 90), (6, 90), (6.4, 72), (7.4, 72), (7.8, 90), (14, 90))
+    trip = ride(train, slides, train)
+    of = [Sensor(), Sensor(offset=0.6, a_dead_s=1.0, b_dead_s=1.0)]
+    times, told = follow(trip, of=of)
     assert not outside(trip, times, told).any()
-    assert (found[times > 3.1, 0] != ADHERING).all()
-    assert (found[times > 4.1, 1] != ADHERING).all()
+    found = verdicts(told)
+    assert set(found[times > 3.2, 1]) == {LOST}
+    assert (found[(times > 6.1) & (times < 9.7), 0] != ADHERING).all()
+    assert not found[times > 9.9, 0].any()
+
+
+def test_the_wheel_is_within_a_pitch_of_what_its_steps_tell_whatever_duty_and_phase() -> None:
+    train = line((0, 30), (6, 30))
+    for duty, phase in ((0.1, 20), (0.9, 20), (0.5, 90), (0.2, 160)):
+        trip = ride(train, train, train)
+        of = [Sensor(duty=duty, phase_deg=phase, offset=k) for k in (0.05, 0.55)]
+        seen = by_places(trip, CONFIG, of, strobes(trip, CONFIG, 0.0173))
+        rolling = Rolling(confirm_s=0)
+        train_ = Train(CONFIG, Assumptions(crystal_ppm=0), records(trip), rolling)
+        assert judge(trip, train_, seen).outside == 0
 
 
 # The train at rest, backwards, with lost replies

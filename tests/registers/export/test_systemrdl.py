@@ -9,7 +9,7 @@ from systemrdl.parser.SystemRDLLexer import SystemRDLLexer
 from systemrdl.rdltypes import AccessType, OnReadType, OnWriteType
 
 from railgate.field import Field
-from railgate.registers import Access, Block, Map, Place, Register
+from railgate.registers import Access, Map, Place, Register
 from railgate.registers.export import systemrdl
 from railgate.registers.export.systemrdl import KEYWORDS
 from registers.maps import Event, Mode, every_kind, unit
@@ -130,8 +130,3 @@ def test_a_trigger_of_several_bits_is_refused() -> None:
     map_ = Map.of("all", "", [replace(block, entries=(wide,))])
     with pytest.raises(ValueError, match="wide must have 1 bit to be described, not 2"):
         systemrdl(map_)
-
-
-def test_a_block_needs_no_group_or_register() -> None:
-    assert "addrmap none" in systemrdl(Map(name="none", description="", blocks={}))
-    assert Block(name="empty", description="", entries=()).words == 0

@@ -10,8 +10,8 @@ live ones is believed, nobody says which). Three inequalities end or doubt a hyp
 - *reach*: the window's edges, or their silence, leave a speed within a_max · dt of one that was
   possible before;
 - *pair*: two rolling wheels' mean speeds over nearly one span stand in a ratio that is a constant
-  of the wheels. Each window and each span of 2, 4 … SPAN windows leaves an interval for it. While
-  the axles agree these are intersected; where nothing is left they are *apart*.
+  of the wheels. Their records leave an interval for it, and so does each of the last spans of 1,
+  2, 4 … SPAN windows; where these have nothing in common the two are *apart*.
 
 What an axle tells is *confirmed* once it has gone through these for `confirm_ticks`; until then the
 train has what it can have become of what is confirmed, so that a slide is found in time, also one
@@ -82,13 +82,9 @@ window's periods (0: no measurement), their ticks, ticks from their end to the s
 its nominal mean speed. told_: the train's speed at the strobe, as the axle alone tells it; met_,
 speed_: within what was possible. run: ticks for which it has kept within its own limits. anchor:
 the position at which the train's way was way_. raw_ … seated: as last seen."""
-PAIR = _dtype(
-    "apart steady since", "low high base_low base_high new_low new_high held_low held_high"
-)
-"""Two axles i < j. low, high: (true over nominal way) of i over the same of j; base_: by their
-records. apart: the shortest span that shows it. new_: what the windows leave of the ratio `since`
-that tick, held_: what those before left, which is not confirmed either. steady: strobes in a row at
-which all spans left one constant ratio, whatever low and high."""
+PAIR = _dtype("apart", "low high")
+"""Two axles i < j. low, high: (true over nominal way) of i over the same of j, by their records.
+apart: the span that shows that they do not roll together, 0: none."""
 TRAIN = _dtype(
     "started time raw_time strobe free heading still",
     "speed_low speed speed_high way_low way_high compensated",
@@ -250,40 +246,17 @@ def _ratio(axles: Any, i: int, j: int, past: Any, h: int, k: int, rules: Any) ->
 
 @njit(cache=True, nogil=True)
 def _compare(axles: Any, i: int, j: int, past: Any, pair: Any, strobe: int, rules: Any) -> int:
-    """The shortest span, windows, over which i and j do not roll together, 0 where they do.
-
-    Two axles that have been apart but turned in one constant ratio that their records allow, over
-    every span for SPAN strobes, roll: the ratio that was believed is given up for it.
-    """
-    low, high, least, most = pair.low, pair.high, pair.base_low, pair.base_high
-    apart, span = 0, 1
-    while span <= min(SPAN, strobe):
-        then, now = (strobe - span) % RING, strobe % RING
-        slow, fast = _ratio(axles, i, j, past, then, now, rules)
-        low, high, least, most = max(low, slow), min(high, fast), max(least, slow), min(most, fast)
-        apart = span if low > high and not apart else apart
-        span *= 2
-    pair.steady = pair.steady + 1 if least <= most else 0
-    if apart and pair.steady >= SPAN and min(axles[i].run, axles[j].run) >= rules.rejoin_ticks:
-        pair.low, pair.high, apart = least, most, 0
-    elif not apart:
-        pair.new_low, pair.new_high = max(pair.new_low, low), min(pair.new_high, high)
-    return apart
-
-
-@njit(cache=True, nogil=True)
-def _learn(pair: Any, live: bool, time: int, rules: Any) -> None:
-    """Narrow the ratio by what has been confirmed: an axle may be off for as long unfound."""
-    if pair.apart or not live:
-        pair.new_low = pair.held_low = 0.0
-        pair.new_high = pair.held_high = math.inf
-        pair.since = time
-    elif time - pair.since >= rules.confirm_ticks:
-        low, high = max(pair.low, pair.held_low), min(pair.high, pair.held_high)
-        if low <= high:
-            pair.low, pair.high = low, high
-        pair.held_low, pair.held_high = pair.new_low, pair.new_high
-        pair.new_low, pair.new_high, pair.since = 0.0, math.inf, time
+    """The span, windows, that shows that i and j do not roll together, 0 where they do."""
+    low, high, span = pair.low, pair.high, SPAN
+    while span:
+        if span <= strobe:
+            then, now = (strobe - span) % RING, strobe % RING
+            slow, fast = _ratio(axles, i, j, past, then, now, rules)
+            low, high = max(low, slow), min(high, fast)
+            if low > high:
+                return span
+        span //= 2
+    return 0
 
 
 @njit(cache=True, nogil=True)
@@ -327,7 +300,6 @@ def _pairs(axles: Any, past: Any, pairs: Any, strobe: int, time: int, rules: Any
             pair = pairs[i, j]
             was, live = pair.apart, bool(axles[i].live and axles[j].live)
             pair.apart = _compare(axles, i, j, past, pair, strobe, rules)
-            _learn(pair, live, time, rules)
             if pair.apart and live:
                 axles[i].rolled = axles[j].rolled = 0
                 if not axles[i].suspect and not axles[j].suspect:

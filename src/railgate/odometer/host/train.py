@@ -288,6 +288,4 @@ def _pairs(wheels: Sequence[WheelRecord]) -> NDArray[Any]:
             pair = pairs[i, j]
             pair["low"] = one.least_m / other.greatest_m * factor * (1 - 2.0**-43)
             pair["high"] = one.greatest_m / other.least_m * factor * (1 + 2.0**-43)
-    pairs["base_low"], pairs["base_high"] = pairs["low"], pairs["high"]
-    pairs["new_high"] = pairs["held_high"] = math.inf
     return pairs

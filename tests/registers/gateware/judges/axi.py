@@ -49,7 +49,7 @@ async def stands_still(dut, channel):
         before = now if now[0] and not int(ready.value) else None
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def identities_are_read(dut):
     master = await started(dut, 1)
     for base in BLOCKS:
@@ -57,7 +57,7 @@ async def identities_are_read(dut):
         assert (told.data, told.resp) == (b"".join(IDENTITY), AxiResp.OKAY)
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_is_written_by_bytes_is_read(dut):
     """Reads and writes of any length and place, of two coroutines at once."""
     master = await started(dut, 2)
@@ -79,7 +79,7 @@ async def what_is_written_by_bytes_is_read(dut):
     await Combine(*(cocotb.start_soon(uses(base)) for base in BLOCKS))
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_cannot_be_accessed_is_a_subordinates_error(dut):
     master = await started(dut, 3)
     for address in HOLES:
@@ -90,7 +90,7 @@ async def what_cannot_be_accessed_is_a_subordinates_error(dut):
     assert (await master.write(TRIGGER, b"\x0f")).resp == AxiResp.OKAY
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def each_event_is_read_once(dut):
     master = await started(dut, 4)
     told = 0
@@ -115,7 +115,7 @@ async def each_event_is_read_once(dut):
         assert (await master.read(SEEN, 4)).data[0] == 0
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def neither_reads_nor_writes_wait_for_ever(dut):
     """While both are wanted all the time, they take turns."""
     master = await started(dut, 5, pauses=(0,))

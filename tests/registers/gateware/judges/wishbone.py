@@ -53,7 +53,7 @@ async def cycle(master, *operations):
     return [(result.ack, int(result.datrd)) for result in results]
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def identities_are_read(dut):
     master = await started(dut, 1)
     for base in (0, 0x40):
@@ -61,7 +61,7 @@ async def identities_are_read(dut):
         assert told == [(ACK, int.from_bytes(word, "little")) for word in IDENTITY]
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_is_written_by_bytes_is_read(dut):
     master = await started(dut, 2)
     shadow = {base + offset: 0 for base in (0, 0x40) for offset in WORDS}
@@ -85,7 +85,7 @@ async def what_is_written_by_bytes_is_read(dut):
             assert wanted is None or data == wanted
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_cannot_be_accessed_is_an_error(dut):
     master = await started(dut, 3)
     for operation in (WBOp(0x20 >> 2), WBOp(0x3C >> 2, 5), WBOp(0, 5), WBOp(TRIGGER >> 2)):
@@ -93,7 +93,7 @@ async def what_cannot_be_accessed_is_an_error(dut):
     assert [ack for ack, _ in await cycle(master, WBOp(TRIGGER >> 2, 1))] == [ACK]
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def each_event_is_read_once(dut):
     master = await started(dut, 4)
     for event in (1, 2, 0x80, 0xFF):
@@ -104,7 +104,7 @@ async def each_event_is_read_once(dut):
         assert await cycle(master, WBOp(SEEN >> 2), WBOp(SEEN >> 2)) == [(ACK, event), (ACK, 0)]
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def the_answer_to_a_cycle_given_up_is_no_other_ones(dut):
     """A master that drops cyc after its request, and asks anew at once, gets its own answer."""
     master = await started(dut, 5)
