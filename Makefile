@@ -49,7 +49,7 @@ evidence: test
 lock: setup
 	$(BIN)/pip install --quiet uv==0.13.9
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-annotate --no-header \
-		--extra cxxrtl --extra prove --group dev --group bench pyproject.toml --output-file requirements.lock
+		--extra cxxrtl --extra prove --extra registers --extra fpga --group dev --group bench pyproject.toml --output-file requirements.lock
 
 clean:
 	rm -rf $(VENV) build
