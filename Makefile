@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: setup demo test lint bench evidence lock clean
+.PHONY: setup demo test lint docs bench evidence lock clean
 
 setup: $(READY)
 
@@ -35,6 +35,10 @@ lint: setup
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The documentation; a warning is an error. Its figures come from the code as it is, so always anew.
+docs: setup
+	$(BIN)/sphinx-build -qnWE --keep-going -j auto -d build/doctrees docs build/docs
 
 bench: setup
 	$(BIN)/python -m bench

@@ -23,6 +23,8 @@ COMMAND = re.compile(r"^\$ (?P<typed>.*\n(?:> ?.*\n)*)(?P<printed>(?:(?!\$ ).*\n
 ENDED = re.compile(r"\[exit code (\d+)\]\n\Z")
 WIDTH = "110"
 """Columns that commands print."""
+MOST_S = 900
+"""That a command may take."""
 COMPARED = ELLIPSIS | NORMALIZE_WHITESPACE
 
 
@@ -70,5 +72,6 @@ def outside(typed: str) -> tuple[int, str]:
         text=True,
         env={**os.environ, "PATH": path, "COLUMNS": WIDTH},
         check=False,
+        timeout=MOST_S,
     )
     return done.returncode, done.stdout

@@ -11,6 +11,7 @@ from railgate import doctor as checkup
 from railgate.cli import (
     attach,
     evidence,
+    fpga,
     odometer,
     position_link,
     proofs,
@@ -20,7 +21,7 @@ from railgate.cli import (
     vital_output,
 )
 
-__all__ = ["main"]
+__all__ = ["app", "main"]
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 simulations = typer.Typer(no_args_is_help=True)
@@ -37,6 +38,9 @@ app.command("registers")(registers.registers_)
 app.command("residual")(residual.residual_)
 app.command("prove")(proofs.prove_)
 app.command("evidence")(evidence.evidence_)
+placing = typer.Typer(no_args_is_help=True)
+app.add_typer(placing, name="fpga", help="Place and route for real FPGAs.")
+placing.command("report")(fpga.report_)
 
 
 @app.callback()

@@ -139,6 +139,7 @@ class Config:
 
     clock_hz: reference clock, Hz. sensors: how many two-channel sensors one strobe latches.
     pulses_per_rev: pulses per wheel revolution and channel. wheel_diameter_m: metres.
+    filter_ticks: levels of the inputs of at most so many ticks vanish.
     overspeed_kmh: the fastest legitimate speed. minimum_kmh: below it neither phase nor pulse
     counts are supervised. phase_fault_periods, missing_pulses: how many in a row are a fault.
     period_bits, count_bits, time_bits: widths of period counters, event counters, time.

@@ -30,7 +30,7 @@ def c_header(map_: Map, path: Path) -> None:
 def html(map_: Map, folder: Path) -> None:
     """Write pages to be searched and linked to; index.html is the first one. Raises ValueError, as
     c_header does."""
-    _peakrdl("html", "peakrdl_html", map_, folder, ())
+    _peakrdl("html", "peakrdl_html", map_, folder, ("--title", map_.description))
 
 
 def _peakrdl(command: str, package: str, map_: Map, out: Path, options: Sequence[str]) -> None:

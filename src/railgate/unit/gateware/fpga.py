@@ -1,10 +1,12 @@
-"""One FPGA of the unit.
+"""One FPGA of the unit: its functions, each with its registers, on one bus.
 
-    pins of the sensors ──► odometer ─────┐
-    CLK, ANF ◄── UEF, DATA ► position link ┼─ decoder ── bridge ──► the CPU's bus
-    radio unit ◄──────────── (FPGA 1)      │
-    frames, time ──► vital output channel ─┘
-    cross-link ◄──►       └─► pulse trains ──► relays ──► feedback
+    sensors' pins ──────► odometer ──────────────┐
+    CLK, ANF ◄─ UEF, DATA ► position link ───────┼─ decoder ── bus ──► a bridge, the CPU
+    radio unit ◄──────────────┘ (FPGA 1 only)    │
+    frames, time ───────► vital output, channel ─┘
+    cross-link ◄────────►     └─► pulse trains ──► relays ──► feedback
+
+The position link has a clock of its own, and a crossing to the bus.
 """
 
 from __future__ import annotations

@@ -1,0 +1,144 @@
+"""From a netlist to figures: synthesis, then place and route once a seed, all of it kept."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from railgate.fpga.parts import Area, Part, part
+from railgate.fpga.pins import INSIDE
+from railgate.fpga.tools import UnplacedError, nextpnr, version, yosys
+from railgate.waves import replacing
+
+__all__ = ["FULL", "Flow", "Netlist", "cells", "fmax_mhz"]
+
+FULL = 0.75
+"""The part of a device's LUTs or flip-flops above which nextpnr may not end."""
+
+TOP = "top"
+
+# The component stays a module of its own until its cells are counted; between its registers and
+# those of the pins there is nothing to optimise.
+SYNTHESIS = f"""
+read_rtlil design.il
+setattr -mod -set keep_hierarchy 1 {TOP}.{INSIDE}
+{{synthesis}} -top {TOP}
+tee -q -o cells.json stat -json
+setattr -mod -unset keep_hierarchy {TOP}.{INSIDE}
+flatten
+opt_clean
+write_json placeable.json
+"""
+
+# One set of flags for all: a clock that none reaches, so that all are driven as hard as can be.
+PLACEMENT = ("--freq", "600", "--timing-allow-fail", "--json", "placeable.json")
+
+
+@dataclass(frozen=True)
+class Netlist:
+    """What a synthesised netlist takes. inside: the component alone. whole: with its pins."""
+
+    inside: Area
+    whole: Area
+
+
+class Flow:
+    """One design on its way onto a part.
+
+    rtlil: from pins.netlist. kept: the folder that keeps what tools made, in a folder for each
+    design, part and version of the tools: nothing is made twice, also after an interruption.
+    limit_s: the longest time for one call of a tool. Raises ValueError where a tool is missing.
+    """
+
+    def __init__(self, name: str, rtlil: str, on: str, kept: Path, limit_s: float) -> None:
+        self._name, self._on, self._part = name, on, part(on)
+        self._rtlil = rtlil
+        self._limit_s = limit_s
+        told = (rtlil, SYNTHESIS, PLACEMENT, self._part, version(self._part.nextpnr))
+        digest = sha256(repr(told).encode()).hexdigest()[:12]
+        self._folder = kept / f"{name}-{on}-{digest}"
+
+    def synthesise(self) -> Netlist:
+        """What it takes. Raises UnplacedError where that is above FULL, and ValueError."""
+        if not self._folder.exists():
+            self._make()
+        counted = cells(_read(self._folder / "cells.json"))
+        areas = {module: _area(found, self._part) for module, found in counted.items()}
+        netlist = Netlist(areas[f"{TOP}.{INSIDE}"], sum(areas.values(), Area()))
+        self._check_fits(netlist.whole)
+        return netlist
+
+    def place(self, seed: int) -> float:
+        """The clock that it reaches with a seed, in MHz, once synthesised. Raises UnplacedError
+        and ValueError."""
+        report = self._folder / f"seed-{seed}.json"
+        if not report.exists():
+            with replacing(report) as new:
+                arguments = (*self._part.options, *PLACEMENT, "--seed", str(seed))
+                arguments += ("--report", new.name)
+                nextpnr(self._part.nextpnr, arguments, self._folder, self._limit_s)
+        return fmax_mhz(_read(report))
+
+    def _make(self) -> None:
+        """Synthesise; the folder comes into being with all in it."""
+        try:
+            self._folder.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=self._folder.parent) as scratch:
+                made = Path(scratch) / "made"
+                made.mkdir()
+                (made / "design.il").write_text(self._rtlil, encoding="utf-8")
+                yosys(SYNTHESIS.format(synthesis=self._part.synthesis), made, self._limit_s)
+                made.rename(self._folder)
+        except OSError as error:
+            raise ValueError(f"{self._folder} cannot be written: {error.strerror}") from None
+
+    def _check_fits(self, whole: Area) -> None:
+        has, takes = asdict(self._part.has), asdict(whole)
+        for what in ("lut", "ff"):
+            if takes[what] > FULL * has[what]:
+                raise UnplacedError(
+                    f"{self._name} must take at most {FULL:.0%} of the {has[what]} {what.upper()} "
+                    f"of {self._on}, not {takes[what]} ({takes[what] / has[what]:.0%})"
+                )
+
+
+def cells(statistics: Mapping[str, Any]) -> dict[str, Counter[str]]:
+    """How many cells of each type each module has, of what Yosys's `stat -json` told."""
+    modules = {name.removeprefix("\\"): told for name, told in statistics["modules"].items()}
+    return {
+        name: Counter(
+            {
+                cell: count
+                for cell, count in told["num_cells_by_type"].items()
+                if cell not in modules and cell != "$scopeinfo"
+            }
+        )
+        for name, told in modules.items()
+    }
+
+
+def fmax_mhz(report: Mapping[str, Any]) -> float:
+    """The clock in nextpnr's report. Raises ValueError unless there is just one."""
+    clocks = report["fmax"]
+    if len(clocks) != 1:
+        raise ValueError(f"a report must tell of one clock, not of {len(clocks)}")
+    return float(next(iter(clocks.values()))["achieved"])
+
+
+def _area(found: Mapping[str, int], of: Part) -> Area:
+    if odd := set(found) - set(of.takes):
+        raise ValueError(f"a cell must be one of {', '.join(of.takes)}, not {', '.join(odd)}")
+    return sum((of.takes[cell] * count for cell, count in found.items()), Area())
+
+
+def _read(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path} must be what a tool has written; remove its folder") from error

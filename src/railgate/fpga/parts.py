@@ -1,0 +1,79 @@
+"""The parts that functions are placed on, and what each has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+__all__ = ["PARTS", "REFERENCE", "Area", "Part", "part"]
+
+
+@dataclass(frozen=True)
+class Area:
+    """What a netlist takes of a part, or what the part has.
+
+    lut: look-up tables of four inputs, those used as carries and memory too. ff: flip-flops.
+    ram: block RAMs. dsp: multipliers.
+    """
+
+    lut: int = 0
+    ff: int = 0
+    ram: int = 0
+    dsp: int = 0
+
+    def __add__(self, other: Area) -> Area:
+        return Area(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(Area)))
+
+    def __mul__(self, times: int) -> Area:
+        return Area(*(getattr(self, f.name) * times for f in fields(Area)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One device of one speed grade.
+
+    has: all of it. synthesis: Yosys's command for its family. nextpnr: the tool's architecture, by
+    which its package and its program are called. options: the tool's, of this device. takes: what
+    each cell of a netlist takes.
+    """
+
+    has: Area
+    synthesis: str
+    nextpnr: str
+    options: tuple[str, ...]
+    takes: Mapping[str, Area]
+
+
+LUT, FREE = Area(lut=1), Area()
+
+_ECP5 = {
+    "LUT4": LUT,
+    "CCU2C": LUT * 2,
+    "TRELLIS_DPR16X4": LUT * 6,  # four as memory, two as its write port
+    "PFUMX": FREE,  # in the slice of the tables that it selects from, as the next
+    "L6MUX21": FREE,
+    "TRELLIS_FF": Area(ff=1),
+    "DP16KD": Area(ram=1),
+    "PDPW16KD": Area(ram=1),
+    "MULT18X18D": Area(dsp=1),
+}
+
+REFERENCE = "ECP5-25F-6"
+"""The part that goals are set for."""
+
+PARTS: Mapping[str, Part] = {
+    REFERENCE: Part(
+        has=Area(lut=24_288, ff=24_288, ram=56, dsp=28),
+        synthesis="synth_ecp5",
+        nextpnr="ecp5",
+        options=("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
+        takes=_ECP5,
+    )
+}
+
+
+def part(name: str) -> Part:
+    """By its name. Raises ValueError."""
+    if name not in PARTS:
+        raise ValueError(f'a part must be one of {", ".join(PARTS)}, not "{name}"')
+    return PARTS[name]

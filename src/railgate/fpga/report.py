@@ -1,0 +1,127 @@
+"""The figures of each target on a part, over several seeds (SYS-3).
+
+They are kept in `<folder>/fpga.json`, an array of one object a target, rewritten as they come:
+`target`, `part`, `fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed), `lut`, `ff`,
+`ram`, `dsp` (of the target alone; null where it was not synthesised), `goal_mhz` (for the worst
+seed), `goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been placed
+and none falls short), `seeds` (how many were placed), `failed` (why not all were, else empty).
+What the tools made stays in `<folder>/fpga`, see Flow.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from railgate.fpga.flow import Flow
+from railgate.fpga.parts import REFERENCE, Area, part
+from railgate.fpga.pins import netlist
+from railgate.fpga.targets import Goal, Target
+from railgate.fpga.tools import UnplacedError
+from railgate.waves import replacing
+
+__all__ = ["SEEDS", "Row", "report"]
+
+SEEDS = 5
+"""Seeds 1 … SEEDS must be placed before a goal is met."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one target came to. area: of the target alone. fmax_mhz: of seeds 1, 2, ….
+
+    failed: why a seed is missing.
+    """
+
+    target: str
+    part: str
+    goal: Goal | None = None
+    area: Area | None = None
+    fmax_mhz: tuple[float, ...] = ()
+    failed: str = ""
+
+    @property
+    def worst_mhz(self) -> float | None:
+        return min(self.fmax_mhz, default=None)
+
+    @property
+    def median_mhz(self) -> float | None:
+        return statistics.median(self.fmax_mhz) if self.fmax_mhz else None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the goal is; None without one, or while that is open."""
+        if self.goal is None:
+            return None
+        if self.failed or (self.fmax_mhz and min(self.fmax_mhz) < self.goal.worst_mhz):
+            return False
+        if len(self.fmax_mhz) < SEEDS:
+            return None
+        return statistics.median(self.fmax_mhz) >= (self.goal.median_mhz or 0)
+
+    def as_json(self) -> dict[str, object]:
+        """See the module."""
+        area = dict.fromkeys(asdict(Area())) if self.area is None else asdict(self.area)
+        return {
+            "target": self.target,
+            "part": self.part,
+            "fmax_worst_mhz": _rounded(self.worst_mhz),
+            "fmax_median_mhz": _rounded(self.median_mhz),
+            **area,
+            "goal_mhz": self.goal and self.goal.worst_mhz,
+            "goal_median_mhz": self.goal and self.goal.median_mhz,
+            "met": self.met,
+            "seeds": len(self.fmax_mhz),
+            "failed": self.failed,
+        }
+
+
+def report(
+    targets: Mapping[str, Target],
+    on: str = REFERENCE,
+    *,
+    seeds: int = SEEDS,
+    limit_s: float = 1800.0,
+    folder: Path = Path("build"),
+    placed: Callable[[], None] = lambda: None,
+) -> list[Row]:
+    """Place each target on a part with seeds 1 … seeds; what `folder` keeps is not placed again.
+
+    on: the part's name. limit_s: the longest time for one call of a tool. placed: called after
+    each seed. A target that cannot be placed has its row all the same. Raises ValueError.
+    """
+    part(on)
+    rows: list[Row] = []
+    for name, target in targets.items():
+        goal = target.goal if on == REFERENCE else None
+        rows.append(Row(name, on, goal))
+        flow = Flow(name, netlist(target.component()), on, folder / "fpga", limit_s)
+        for row in _placements(flow, rows[-1], seeds):
+            rows[-1] = row
+            _keep(rows, folder / "fpga.json")
+            placed()
+    return rows
+
+
+def _placements(flow: Flow, row: Row, seeds: int) -> Iterator[Row]:
+    """The row after each seed; where one fails, no further seed is tried."""
+    try:
+        row = replace(row, area=flow.synthesise().inside)
+        for seed in range(1, seeds + 1):
+            row = replace(row, fmax_mhz=(*row.fmax_mhz, flow.place(seed)))
+            yield row
+    except UnplacedError as error:
+        yield replace(row, failed=str(error))
+
+
+def _keep(rows: Sequence[Row], path: Path) -> None:
+    with replacing(path) as new:
+        told = [row.as_json() for row in rows]
+        new.write_text(json.dumps(told, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+
+
+def _rounded(mhz: float | None) -> float | None:
+    return None if mhz is None else round(mhz, 1)

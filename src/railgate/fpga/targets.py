@@ -1,0 +1,68 @@
+"""What is placed: every function in its default configuration, and what it is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from amaranth.lib import wiring
+
+from railgate.fpga.peers import Counter, Crc32, Lfsr, Ssi
+from railgate.odometer.gateware import Odometer
+from railgate.odometer.spec import Config as OdometerConfig
+from railgate.position_link.gateware import PositionLink
+from railgate.position_link.spec import Config as LinkConfig
+from railgate.vital_output.gateware import Channel
+from railgate.vital_output.spec import Config as VitalConfig
+
+__all__ = ["CEILING", "TARGETS", "Goal", "Target", "chosen"]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Clock frequencies to reach on parts.REFERENCE, MHz: of the worst seed, and of the median."""
+
+    worst_mhz: float
+    median_mhz: float | None = None
+
+
+@dataclass(frozen=True)
+class Target:
+    """component: of domain sync alone. what: in words. goal: of a function."""
+
+    component: Callable[[], wiring.Component]
+    what: str
+    goal: Goal | None = None
+
+
+CEILING = "lfsr"
+"""The target whose frequency is the practical ceiling of a part."""
+
+TARGETS: Mapping[str, Target] = {
+    CEILING: Target(Lfsr, "32-bit LFSR: the practical ceiling"),
+    "counter": Target(Counter, "peer: quadrature counter and period"),
+    "ssi": Target(Ssi, "peer: SSI reader, 25 bits"),
+    "crc32": Target(Crc32, "peer: Ethernet's CRC, a byte a tick"),
+    "position_link": Target(
+        lambda: PositionLink(LinkConfig()), "position link", goal=Goal(worst_mhz=280)
+    ),
+    "odometer": Target(
+        lambda: Odometer(OdometerConfig(sensors=1)),
+        "odometer, one sensor",
+        goal=Goal(worst_mhz=280, median_mhz=300),
+    ),
+    "vital_output": Target(
+        lambda: Channel(VitalConfig(outputs=16), 0),
+        "vital output, one channel, 16 outputs",
+        goal=Goal(worst_mhz=150),
+    ),
+}
+"""By name, the small ones first."""
+
+
+def chosen(names: Sequence[str]) -> dict[str, Target]:
+    """The targets of these names, all without one, in the order of TARGETS. Raises ValueError."""
+    for name in names:
+        if name not in TARGETS:
+            raise ValueError(f'a target must be one of {", ".join(TARGETS)}, not "{name}"')
+    return {name: target for name, target in TARGETS.items() if name in (names or TARGETS)}
