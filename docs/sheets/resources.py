@@ -12,7 +12,7 @@ from sheets.markdown import number, table
 __all__ = ["RECORD", "resources"]
 
 RECORD = Path(__file__).parents[2] / "build" / "fpga.json"
-"""An array of objects; those of a function have its name as `function`."""
+"""An array of objects; those of a function have its name as `target`."""
 
 
 def resources(name: str) -> str:
@@ -22,9 +22,9 @@ def resources(name: str) -> str:
         return "Not measured yet: nothing has been placed and routed so far (SYS-3).\n"
     told: list[dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
     rows = [
-        {k: v for k, v in each.items() if k != "function"}
+        {k: v for k, v in each.items() if k != "target"}
         for each in told
-        if each["function"] == name
+        if each["target"] == name
     ]
     if not rows:
         return "Not among the builds that `build/fpga.json` tells of.\n"

@@ -82,7 +82,7 @@ def test_resources_that_were_not_measured_are_not_told(monkeypatch, tmp_path) ->
     record = tmp_path / "fpga.json"
     monkeypatch.setattr("sheets.resources.RECORD", record)
     assert "Not measured yet" in resources("odometer")
-    record.write_text('[{"function": "odometer", "part": "ECP5", "LUT": 1234}]', "utf-8")
+    record.write_text('[{"target": "odometer", "part": "ECP5", "LUT": 1234}]', "utf-8")
     assert rows(resources("odometer")) == [["ECP5", "1\N{NARROW NO-BREAK SPACE}234"]]
     assert "Not among the builds" in resources("vital_output")
 

@@ -11,8 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from railgate.fpga.gateware import INSIDE
 from railgate.fpga.parts import Area, Part, part
-from railgate.fpga.pins import INSIDE
 from railgate.fpga.tools import UnplacedError, nextpnr, version, yosys
 from railgate.waves import replacing
 
@@ -51,7 +51,7 @@ class Netlist:
 class Flow:
     """One design on its way onto a part.
 
-    rtlil: from pins.netlist. kept: the folder that keeps what tools made, in a folder for each
+    rtlil: from gateware.netlist. kept: the folder that keeps what tools made, in a folder for each
     design, part and version of the tools: nothing is made twice, also after an interruption.
     limit_s: the longest time for one call of a tool. Raises ValueError where a tool is missing.
     """
@@ -60,23 +60,25 @@ class Flow:
         self._name, self._on, self._part = name, on, part(on)
         self._rtlil = rtlil
         self._limit_s = limit_s
-        told = (rtlil, SYNTHESIS, PLACEMENT, self._part, version(self._part.nextpnr))
+        flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options
+        told = rtlil, flags, version(self._part.nextpnr)
         digest = sha256(repr(told).encode()).hexdigest()[:12]
         self._folder = kept / f"{name}-{on}-{digest}"
 
     def synthesise(self) -> Netlist:
-        """What it takes. Raises UnplacedError where that is above FULL, and ValueError."""
+        """What it takes. Raises UnplacedError where Yosys fails or takes too long."""
         if not self._folder.exists():
             self._make()
         counted = cells(_read(self._folder / "cells.json"))
         areas = {module: _area(found, self._part) for module, found in counted.items()}
-        netlist = Netlist(areas[f"{TOP}.{INSIDE}"], sum(areas.values(), Area()))
-        self._check_fits(netlist.whole)
-        return netlist
+        return Netlist(areas[f"{TOP}.{INSIDE}"], sum(areas.values(), Area()))
 
     def place(self, seed: int) -> float:
-        """The clock that it reaches with a seed, in MHz, once synthesised. Raises UnplacedError
-        and ValueError."""
+        """The clock that it reaches with a seed, in MHz.
+
+        Raises UnplacedError where it takes more of the part than FULL, and as `synthesise`.
+        """
+        self._check_fits(self.synthesise().whole)
         report = self._folder / f"seed-{seed}.json"
         if not report.exists():
             with replacing(report) as new:

@@ -44,7 +44,7 @@ class Part:
     takes: Mapping[str, Area]
 
 
-LUT, FREE = Area(lut=1), Area()
+LUT, FF, RAM, DSP, FREE = Area(lut=1), Area(ff=1), Area(ram=1), Area(dsp=1), Area()
 
 _ECP5 = {
     "LUT4": LUT,
@@ -52,10 +52,17 @@ _ECP5 = {
     "TRELLIS_DPR16X4": LUT * 6,  # four as memory, two as its write port
     "PFUMX": FREE,  # in the slice of the tables that it selects from, as the next
     "L6MUX21": FREE,
-    "TRELLIS_FF": Area(ff=1),
-    "DP16KD": Area(ram=1),
-    "PDPW16KD": Area(ram=1),
-    "MULT18X18D": Area(dsp=1),
+    "TRELLIS_FF": FF,
+    "DP16KD": RAM,
+    "PDPW16KD": RAM,
+    "MULT18X18D": DSP,
+}
+
+_ICE40 = {
+    "SB_LUT4": LUT,
+    "SB_CARRY": FREE,  # in the logic cell of the table that it feeds
+    "SB_RAM40_4K": RAM,
+    **{f"SB_DFF{e}{r}": FF for e in ("", "E") for r in ("", "R", "S", "SR", "SS")},
 }
 
 REFERENCE = "ECP5-25F-6"
@@ -68,7 +75,14 @@ PARTS: Mapping[str, Part] = {
         nextpnr="ecp5",
         options=("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
         takes=_ECP5,
-    )
+    ),
+    "iCE40-HX8K": Part(
+        has=Area(lut=7_680, ff=7_680, ram=32),
+        synthesis="synth_ice40",
+        nextpnr="ice40",
+        options=("--hx8k", "--package", "ct256", "--pcf-allow-unconstrained"),
+        takes=_ICE40,
+    ),
 }
 
 

@@ -17,8 +17,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from railgate.fpga.flow import Flow
+from railgate.fpga.gateware import netlist
 from railgate.fpga.parts import REFERENCE, Area, part
-from railgate.fpga.pins import netlist
 from railgate.fpga.targets import Goal, Target
 from railgate.fpga.tools import UnplacedError
 from railgate.waves import replacing

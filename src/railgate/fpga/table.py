@@ -14,21 +14,24 @@ from railgate.fpga.targets import CEILING, TARGETS
 __all__ = ["show"]
 
 MET = {True: Text("met", "green"), False: Text("not met", "red"), None: Text("")}
+"""Of a goal."""
 
 
 def show(rows: Sequence[Row]) -> RenderableType:
     """A line for each target, its clock beside the ceiling of the same part, then what failed."""
     table = Table(header_style="bold")
-    table.add_column("target", overflow="fold")
+    for name in ("target", "kind"):
+        table.add_column(name, no_wrap=True)
     names = ("worst MHz", "median MHz", "of ceiling", "LUT", "FF", "RAM", "DSP", "goal MHz")
     for name in names:
         table.add_column(name, justify="right")
-    table.add_column("")
+    table.add_column("goal")
     ceilings = {row.part: row.median_mhz for row in rows if row.target == CEILING}
     for row in rows:
         area = row.area and (row.area.lut, row.area.ff, row.area.ram, row.area.dsp)
         table.add_row(
-            TARGETS[row.target].what,
+            row.target,
+            TARGETS[row.target].kind,
             _mhz(row.worst_mhz),
             _mhz(row.median_mhz),
             _share(row.median_mhz, ceilings.get(row.part)),
@@ -40,9 +43,9 @@ def show(rows: Sequence[Row]) -> RenderableType:
 
 
 def _remarks(rows: Sequence[Row]) -> list[str]:
+    seeds = min((len(row.fmax_mhz) for row in rows if not row.failed), default=0)
+    few = f"; it takes seeds 1 to {SEEDS} to meet a goal" if seeds < SEEDS else ""
     parts = ", ".join(dict.fromkeys(row.part for row in rows))
-    seeds = min((len(row.fmax_mhz) for row in rows), default=0)
-    few = f"; a goal is met by seeds 1 to {SEEDS} only" if seeds < SEEDS else ""
     lines = [f"{parts}, seeds 1 to {seeds}, behind registered pins{few}"] if seeds else []
     return lines + [f"{row.target}: {row.failed}" for row in rows if row.failed]
 

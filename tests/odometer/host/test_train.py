@@ -426,8 +426,8 @@ def test_an_axle_is_believed_again_only_with_another_and_only_after_a_while() ->
     train = line((0, 90), (12, 90))
     held = line((0, 90), (3, 90), (3.4, 72), (12, 72))  # slides on at an even speed
     brief = line((0, 90), (4, 90), (4.5, 72), (5, 90), (12, 90))
-    through = line((0, 90), (4, 90), (5, 54), (12, 50))  # falls through the other's speed
-    for other in (brief, through):
+    ends = (4.95, 4.97, 5.0, 5.02)  # of a fall through the other's speed
+    for other in (brief, *(line((0, 90), (4, 90), (end, 54), (12, 50)) for end in ends)):
         trip = ride(train, held, other)
         times, told = follow(trip)
         found = verdicts(told)

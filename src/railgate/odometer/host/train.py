@@ -4,8 +4,6 @@ Every strobe each axle tells two things: how far its wheel turned, exactly, and 
 if it rolls. `membership` keeps what all axles that may be rolling leave of the train; where none
 does, what the train can have become since. The intervals rest on the premises of `Train.rests_on`
 and on nothing else; the verdicts are the likelier reading, and the intervals do not rest on them.
-Ref: L. Jaulin, relaxed intersections; M. Malvezzi et al., Odometric estimation for automatic train
-protection and control systems (the greater of two wheel speeds while braking).
 """
 
 from __future__ import annotations

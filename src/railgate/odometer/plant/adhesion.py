@@ -5,8 +5,9 @@ exact Profile like the train's. An axle slips or slides where its tractive or br
 part of its weight, exceeds the adhesion: what is in excess accelerates the wheelset alone, whose
 rotating mass is about a tenth of what rests on it. Wheels roll without creep else.
 
-Adhesion: dry 0.2 … 0.4, in really wet conditions 0.1 … 0.2, damp leaves down to 0.01 (What is low
-adhesion?, rail-traction.com); 0.05 … 0.08 is where wheel slide protections are tested (EN 15595).
+Adhesion: dry 0.2 … 0.4, in really wet conditions 0.1 … 0.2, damp leaves down to 0.01 (Ref: What is
+low adhesion?, rail-traction.com). `low` is assumed, between these. What is in excess is taken as at
+least 0.02, so that no slide begins more gently than 2 m/s² relative to the train.
 """
 
 from __future__ import annotations

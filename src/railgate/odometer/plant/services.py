@@ -1,8 +1,7 @@
 """What trains do: how fast, how hard, how often they stop (ODO-15).
 
-Figures are typical ones, rounded. Accelerations of urban and main-line trains: J. P. Powell,
-R. Palacín, Passenger stability within moving railway vehicles, Urban Rail Transit 1 (2015);
-freight: a locomotive of 300 kN before 2 000 t starts at 0.15 m/s², a block brake gives 0.4 m/s².
+The figures are assumed, round ones of the usual order; none is one train's. Freight: 300 kN before
+2 000 t make 0.15 m/s².
 """
 
 from __future__ import annotations

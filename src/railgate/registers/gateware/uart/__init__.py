@@ -27,8 +27,8 @@ all on the bus. Nothing has been accessed, count is 0.
 Retries. A host that has no good answer in time sends the same frame again: the same number and all.
 If it is the request that was answered last, by its CRC, the answer is sent again as it was; nothing
 is accessed, so that nothing is gated, cleared or written twice (ODO-7). A host gives each new
-request another number, one up modulo 2¹⁶, and begins with a HELLO, which is never a retry and makes
-that no request is one of a host before.
+request another number, one up modulo 2¹⁶, and begins with a HELLO: no request after it is taken for
+one that was answered before it.
 
 Time. A host waits for the answer before it sends another request: what comes before may be dropped.
 The answer begins as soon as the accesses have been made, each a few ticks unless its register waits

@@ -49,7 +49,6 @@ class Uart(wiring.Component):
             receiver.rx.eq(self.rx),
             frames.byte.eq(receiver.byte),
             frames.valid.eq(receiver.valid),
-            frames.broken.eq(receiver.broken),
             self.tx.eq(transmitter.tx),
         ]
         wiring.connect(m, answers.bytes, transmitter.bytes)
@@ -78,7 +77,7 @@ class Uart(wiring.Component):
         end = (address >> INDEX_FROM) + asked.count
         inside = (address[:INDEX_FROM] == 0) & (end <= 1 << len(request.p.address) - INDEX_FROM)
         whole = frames.index == Mux(writes, asked.count, 0) + AROUND
-        again = any_yet & (frames.word == check) & ~hello
+        again = any_yet & (frames.word == check)
         at = Signal(range(self._words + 1))  # which of the request's or the answer's words
         m.d.comb += [
             written.addr.eq(at),

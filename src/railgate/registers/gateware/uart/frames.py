@@ -15,7 +15,7 @@ __all__ = ["FrameReceiver", "FrameTransmitter"]
 class FrameReceiver(wiring.Component):
     """Takes frames of up to `most` words apart.
 
-    byte, valid, broken: in, see ByteReceiver. hold: in, 1 bit: what comes is dropped, and all that
+    byte, valid: in, see ByteReceiver. hold: in, 1 bit: what comes is dropped, and all that
     comes after it up to the next END. word: out, 32 bits, register; there: out, 1 bit, for one
     tick: a word is complete. index: out, how many words of this frame have been before, `most` + 1
     at most. done: out, 1 bit, for one tick: a frame with the right CRC has ended, of `index` words,
@@ -28,7 +28,6 @@ class FrameReceiver(wiring.Component):
             {
                 "byte": In(BYTE),
                 "valid": In(1),
-                "broken": In(1),
                 "hold": In(1),
                 "word": Out(WORD_BITS),
                 "there": Out(1),
@@ -70,7 +69,7 @@ class FrameReceiver(wiring.Component):
             m.d.sync += escaped.eq(1)
         with m.If(end):
             m.d.sync += [place.eq(0), self.index.eq(0), escaped.eq(0), spoilt.eq(0)]
-        with m.If(self.broken | self.hold):
+        with m.If(self.hold):
             m.d.sync += spoilt.eq(1)
         return m
 

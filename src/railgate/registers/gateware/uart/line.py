@@ -19,12 +19,12 @@ class ByteReceiver(wiring.Component):
     """Bytes off the line.
 
     rx: in, 1 bit, pin, asynchronous. byte: out, 8 bits, and valid: out, 1 bit, for one tick, with
-    it. broken: out, 1 bit, for one tick: what came was no byte.
+    it. What has no stop bit is no byte.
     """
 
     def __init__(self, bit_ticks: int) -> None:
         self._bit_ticks = bit_ticks
-        super().__init__({"rx": In(1), "byte": Out(BYTE), "valid": Out(1), "broken": Out(1)})
+        super().__init__({"rx": In(1), "byte": Out(BYTE), "valid": Out(1)})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -37,7 +37,6 @@ class ByteReceiver(wiring.Component):
             receiver.fall.eq(line.fall),
             self.byte.eq(Cat(reversed(bits))),
             self.valid.eq(receiver.done & stop),
-            self.broken.eq((receiver.done & ~stop) | receiver.false_start),
         ]
         return m
 
