@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-BENCHES = ("leap", "link", "vital", "unit", "simulators", "estimators", "readers")
+BENCHES = ("leap", "link", "vital", "unit", "simulators", "estimators", "slip", "readers")
 RESULT = Path("build/bench.json")
 
 
