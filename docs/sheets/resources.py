@@ -22,9 +22,7 @@ def resources(name: str) -> str:
         return "Not measured yet: nothing has been placed and routed so far (SYS-3).\n"
     told: list[dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
     rows = [
-        {k: v for k, v in each.items() if k != "target"}
-        for each in told
-        if each["target"] == name
+        {k: v for k, v in each.items() if k != "target"} for each in told if each["target"] == name
     ]
     if not rows:
         return "Not among the builds that `build/fpga.json` tells of.\n"
