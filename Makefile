@@ -46,6 +46,7 @@ bench: setup
 # All evidence: the tests, long random comparisons that `test` leaves out, and all proofs; it fails
 # where a requirement is not shown by them.
 evidence: test
+	$(BIN)/railgate fpga report
 	$(BIN)/pytest -m slow
 	$(BIN)/railgate prove --mutants
 	$(BIN)/railgate evidence --strict

@@ -11,6 +11,19 @@ from sheets.markdown import number, table
 
 __all__ = ["RECORD", "resources"]
 
+COLUMNS = {
+    "part": "part",
+    "fmax_worst_mhz": "worst, MHz",
+    "fmax_median_mhz": "median, MHz",
+    "seeds": "seeds",
+    "lut": "LUT",
+    "ff": "FF",
+    "ram": "RAM",
+    "dsp": "DSP",
+    "goal_mhz": "goal, MHz",
+}
+"""What is told of a row, and as what."""
+
 RECORD = Path(__file__).parents[2] / "build" / "fpga.json"
 """An array of objects; those of a function have its name as `target`."""
 
@@ -21,10 +34,7 @@ def resources(name: str) -> str:
     if not RECORD.exists():
         return "Not measured yet: nothing has been placed and routed so far (SYS-3).\n"
     told: list[dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
-    rows = [
-        {k: v for k, v in each.items() if k != "target"} for each in told if each["target"] == name
-    ]
+    rows = [[number(each[key]) for key in COLUMNS] for each in told if each["target"] == name]
     if not rows:
         return "Not among the builds that `build/fpga.json` tells of.\n"
-    header = list(rows[0])
-    return table(header, [[number(row.get(key, "")) for key in header] for row in rows])
+    return table([heading for heading in COLUMNS.values()], rows)

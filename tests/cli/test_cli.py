@@ -14,6 +14,7 @@ from proving.counting import NeverAbove, claim
 from railgate.cli import (
     attach,
     evidence,
+    fpga,
     odometer,
     position_link,
     proofs,
@@ -162,6 +163,7 @@ COMMANDS = {
     ("prove",): proofs.prove_,
     ("evidence",): evidence.evidence_,
     ("attach",): attach.attach_,
+    ("fpga", "report"): fpga.report_,
     ("registers",): registers.registers_,
 }
 ELSEWHERE = {("simulate", "odometer"): ("measure",), ("decode",): ("simulate", "link")}

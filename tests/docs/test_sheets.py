@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from dataclasses import fields
@@ -18,7 +19,7 @@ from sheets.functions import FUNCTIONS
 from sheets.layers import layers
 from sheets.markdown import code, number, small, table
 from sheets.ports import ports
-from sheets.resources import resources
+from sheets.resources import COLUMNS, resources
 from sheets.timing.lanes import Diagram, Lane, draw
 from sheets.told import told
 
@@ -82,8 +83,11 @@ def test_resources_that_were_not_measured_are_not_told(monkeypatch, tmp_path) ->
     record = tmp_path / "fpga.json"
     monkeypatch.setattr("sheets.resources.RECORD", record)
     assert "Not measured yet" in resources("odometer")
-    record.write_text('[{"target": "odometer", "part": "ECP5", "LUT": 1234}]', "utf-8")
-    assert rows(resources("odometer")) == [["ECP5", "1\N{NARROW NO-BREAK SPACE}234"]]
+    told = dict.fromkeys(COLUMNS, 7) | {"target": "odometer", "part": "ECP5", "lut": 1234}
+    record.write_text(json.dumps([told]), "utf-8")
+    assert rows(resources("odometer")) == [
+        ["ECP5", "7", "7", "7", "1\N{NARROW NO-BREAK SPACE}234", "7", "7", "7", "7"]
+    ]
     assert "Not among the builds" in resources("vital_output")
 
 

@@ -83,6 +83,15 @@ def test_a_target_that_cannot_be_placed_has_its_row_and_the_others_theirs(tmp_pa
     assert not little.failed
 
 
+def test_each_part_has_its_rows_and_goals_are_of_the_reference_alone(tmp_path) -> None:
+    rows = report({"lfsr": replace(TARGETS["lfsr"], goal=Goal(1))}, PARTS, seeds=1, folder=tmp_path)
+    assert [(row.part, row.goal) for row in rows] == [
+        (REFERENCE, Goal(1)),
+        ("iCE40-HX8K", None),
+    ]
+    assert rows[0].fmax_mhz != rows[1].fmax_mhz
+
+
 def test_all_functions_are_targets_and_have_their_goals() -> None:
     goals = {name: target.goal for name, target in TARGETS.items() if target.kind == "function"}
     assert goals == {

@@ -17,7 +17,9 @@ def report_(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="TARGET", help="Functions or peers; all without.")
     ] = None,
-    part: Annotated[str, typer.Option(help="The device and its speed grade.")] = "ECP5-25F-6",
+    part: Annotated[
+        list[str] | None, typer.Option(help="ECP5-25F-6 without it, iCE40-HX8K; may be repeated.")
+    ] = None,
     seeds: Annotated[int, typer.Option(min=1, help="Placements of each, with seeds 1, 2, ….")] = 5,
     limit: Annotated[str, typer.Option(help="The longest time for one of them.")] = "1800s",
     json: Annotated[
@@ -27,6 +29,7 @@ def report_(
 ) -> None:
     """Place and route every function: what clock it reaches, what it takes of a real part."""
     # Here, since no other command needs all gateware.
+    from railgate.fpga.parts import REFERENCE
     from railgate.fpga.report import report
     from railgate.fpga.table import show
     from railgate.fpga.targets import chosen
@@ -35,7 +38,8 @@ def report_(
     limit_s = float(quantity.time_s(limit))
     if limit_s <= 0:
         raise ValueError(f"--limit must be above 0 s, not {limit}")
-    with counted("placing", len(targets) * seeds) as placed:
-        rows = report(targets, part, seeds=seeds, limit_s=limit_s, folder=out, placed=placed)
+    parts = list(dict.fromkeys(part or [REFERENCE]))
+    with counted("placing", len(parts) * len(targets) * seeds) as placed:
+        rows = report(targets, parts, seeds=seeds, limit_s=limit_s, folder=out, placed=placed)
     present([row.as_json() for row in rows] if json else show(rows), [out / "fpga.json"])
     raise typer.Exit(int(any(row.failed for row in rows)))

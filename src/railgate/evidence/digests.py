@@ -14,7 +14,7 @@ PACKAGE = Path(railgate.__file__).parent
 TESTS = PACKAGE.parents[1] / "tests"
 """There in a checkout only."""
 
-ABOVE_PROOFS = ("cli", "doctor.py", "evidence")
+ABOVE_PROOFS = ("cli", "doctor.py", "evidence", "fpga")
 """What nothing that is proven imports, as the layers in pyproject.toml have it."""
 
 

@@ -1,11 +1,11 @@
-"""The figures of each target on a part, over several seeds (SYS-3).
+"""The figures of each target on each part, over several seeds (SYS-3).
 
-They are kept in `<folder>/fpga.json`, an array of one object a target, rewritten as they come:
-`target`, `part`, `fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed), `lut`, `ff`,
-`ram`, `dsp` (of the target alone; null where it was not synthesised), `goal_mhz` (for the worst
-seed), `goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been placed
-and none falls short), `seeds` (how many were placed), `failed` (why not all were, else empty).
-What the tools made stays in `<folder>/fpga`, see Flow.
+They are kept in `<folder>/fpga.json`, rewritten as they come: an array of one object a target and
+part, with `target`, `part`, `fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed),
+`lut`, `ff`, `ram`, `dsp` (of the target alone; null where it was not synthesised), `goal_mhz` (for
+the worst seed), `goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been
+placed and none falls short), `seeds` (how many were placed), `failed` (why not all were, else
+empty). What the tools made stays in `<folder>/fpga`, see Flow.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import json
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import product
 from pathlib import Path
 
 from railgate.fpga.flow import Flow
@@ -81,23 +82,23 @@ class Row:
 
 def report(
     targets: Mapping[str, Target],
-    on: str = REFERENCE,
+    parts: Sequence[str] = (REFERENCE,),
     *,
     seeds: int = SEEDS,
     limit_s: float = 1800.0,
     folder: Path = Path("build"),
     placed: Callable[[], None] = lambda: None,
 ) -> list[Row]:
-    """Place each target on a part with seeds 1 … seeds; what `folder` keeps is not placed again.
+    """Place each target on each part with seeds 1 … seeds; what `folder` keeps is not placed again.
 
-    on: the part's name. limit_s: the longest time for one call of a tool. placed: called after
-    each seed. A target that cannot be placed has its row all the same. Raises ValueError.
+    parts: by name. limit_s: the longest time for one call of a tool. placed: called after each
+    seed. A target that cannot be placed has its row all the same. Raises ValueError.
     """
-    part(on)
+    for name in parts:
+        part(name)
     rows: list[Row] = []
-    for name, target in targets.items():
-        goal = target.goal if on == REFERENCE else None
-        rows.append(Row(name, on, goal))
+    for on, (name, target) in product(parts, targets.items()):
+        rows.append(Row(name, on, target.goal if on == REFERENCE else None))
         flow = Flow(name, netlist(target.component()), on, folder / "fpga", limit_s)
         for row in _placements(flow, rows[-1], seeds):
             rows[-1] = row

@@ -18,15 +18,24 @@ MET = {True: Text("met", "green"), False: Text("not met", "red"), None: Text("")
 
 
 def show(rows: Sequence[Row]) -> RenderableType:
-    """A line for each target, its clock beside the ceiling of the same part, then what failed."""
+    """For each part a table of all targets, beside the part's ceiling, and what is to be said."""
+    by_part: dict[str, list[Row]] = {}
+    for row in rows:
+        by_part.setdefault(row.part, []).append(row)
+    pieces: list[RenderableType] = []
+    for of in by_part.values():
+        pieces += [_table(of), *_remarks(of)]
+    return Group(*pieces)
+
+
+def _table(rows: Sequence[Row]) -> Table:
     table = Table(header_style="bold")
     for name in ("target", "kind"):
         table.add_column(name, no_wrap=True)
-    names = ("worst MHz", "median MHz", "of ceiling", "LUT", "FF", "RAM", "DSP", "goal MHz")
-    for name in names:
+    for name in ("worst MHz", "median MHz", "of ceiling", "LUT", "FF", "RAM", "DSP", "goal MHz"):
         table.add_column(name, justify="right")
     table.add_column("goal")
-    ceilings = {row.part: row.median_mhz for row in rows if row.target == CEILING}
+    ceiling = next((row.median_mhz for row in rows if row.target == CEILING), None)
     for row in rows:
         area = row.area and (row.area.lut, row.area.ff, row.area.ram, row.area.dsp)
         table.add_row(
@@ -34,28 +43,25 @@ def show(rows: Sequence[Row]) -> RenderableType:
             TARGETS[row.target].kind,
             _mhz(row.worst_mhz),
             _mhz(row.median_mhz),
-            _share(row.median_mhz, ceilings.get(row.part)),
+            f"{row.median_mhz / ceiling:.0%}" if row.median_mhz and ceiling else "",
             *map(str, area or [""] * 4),
             _goal(row),
             MET[row.met],
         )
-    return Group(table, *map(Text, _remarks(rows)))
+    return table
 
 
-def _remarks(rows: Sequence[Row]) -> list[str]:
+def _remarks(rows: Sequence[Row]) -> list[Text]:
+    """Of one part: what it was placed with, and what failed."""
     seeds = min((len(row.fmax_mhz) for row in rows if not row.failed), default=0)
     few = f"; it takes seeds 1 to {SEEDS} to meet a goal" if seeds < SEEDS else ""
-    parts = ", ".join(dict.fromkeys(row.part for row in rows))
-    lines = [f"{parts}, seeds 1 to {seeds}, behind registered pins{few}"] if seeds else []
-    return lines + [f"{row.target}: {row.failed}" for row in rows if row.failed]
+    lines = [f"{rows[0].part}, seeds 1 to {seeds}, behind registered pins{few}"] if seeds else []
+    lines += [f"{row.target}: {row.failed}" for row in rows if row.failed]
+    return [Text(line) for line in lines]
 
 
 def _mhz(mhz: float | None) -> str:
     return "" if mhz is None else f"{mhz:.0f}"
-
-
-def _share(mhz: float | None, ceiling: float | None) -> str:
-    return f"{mhz / ceiling:.0%}" if mhz is not None and ceiling else ""
 
 
 def _goal(row: Row) -> str:
