@@ -37,4 +37,4 @@ def resources(name: str) -> str:
     rows = [[number(each[key]) for key in COLUMNS] for each in told if each["target"] == name]
     if not rows:
         return "Not among the builds that `build/fpga.json` tells of.\n"
-    return table([heading for heading in COLUMNS.values()], rows)
+    return table(list(COLUMNS.values()), rows)

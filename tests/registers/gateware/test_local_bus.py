@@ -191,7 +191,6 @@ def test_a_second_half_that_does_not_follow_its_own_first_one_is_an_error():
     run(16, uses)
 
 
-@pytest.mark.filterwarnings("ignore::amaranth.hdl.UnusedElaboratable")
 def test_any_other_width_is_refused():
     with pytest.raises(ValueError, match="data_bits must be 16 or 32, not 8"):
         LocalBus(8, 8)

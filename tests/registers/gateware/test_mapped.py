@@ -274,7 +274,6 @@ def test_the_only_registers_of_a_channel_that_can_be_written_are_seen_and_test()
     simulated(mapped, writes)
 
 
-@pytest.mark.filterwarnings("ignore::amaranth.hdl.UnusedElaboratable")
 def test_a_function_without_a_port_that_its_block_needs_is_refused():
     with pytest.raises(ValueError, match="odometer needs a port for busy, number, "):
         Mapped(Channel(VITAL, 0), odometer_registers(ODOMETER))

@@ -223,7 +223,6 @@ def test_the_hosts_frames_are_taken_apart_as_they_were_put_together(contents):
         ({"bit_ticks": 8, "words": 256}, "words must be between 1 and 255, not 256"),
     ],
 )
-@pytest.mark.filterwarnings("ignore::amaranth.hdl.UnusedElaboratable")
 def test_what_cannot_be_built_is_refused_in_one_line(more, said):
     with pytest.raises(ValueError, match=said):
         Uart(8, **more)
