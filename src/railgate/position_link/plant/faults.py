@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from fractions import Fraction
 
 from railgate.position_link.plant.effects import (
     Effect,
@@ -21,12 +19,9 @@ from railgate.position_link.plant.effects import (
     unplugged,
     unrequested,
 )
-from railgate.quantity import span_s, time_s
+from railgate.timed_fault import TimedFault, parsed
 
 __all__ = ["FAULTS", "Fault", "Kind", "fault"]
-
-FORM = re.compile(r"\s*([\w-]+)(?::([^@]*))?@(.*)", re.DOTALL)
-NUMBER = re.compile(r"\s*-?[0-9]{1,12}\s*")
 
 
 @dataclass(frozen=True)
@@ -123,44 +118,14 @@ that the span touches; stuck, unplugged-low, unplugged-high and noise just the s
 
 
 @dataclass(frozen=True)
-class Fault:
-    """One kind of FAULTS from a time on until another, or in one cycle where there is none.
-
-    Times are in seconds from where cycle 0 begins. value: None is the kind's default.
-    """
-
-    kind: str
-    start_s: Fraction
-    end_s: Fraction | None = None
-    value: int | None = None
+class Fault(TimedFault):
+    """One kind of FAULTS from a time on until another, or in one cycle where there is none; from
+    where cycle 0 begins. Raises ValueError."""
 
     def __post_init__(self) -> None:
-        if self.kind not in FAULTS:
-            raise ValueError(f'a fault must be one of {", ".join(FAULTS)}, not "{self.kind}"')
-        if self.start_s < 0:
-            raise ValueError(
-                f"{self.kind} must begin at 0 s at the earliest, not {float(self.start_s):g} s"
-            )
-        if self.end_s is not None and not self.start_s < self.end_s:
-            raise ValueError(
-                f"{self.kind} must end after it begins at {float(self.start_s):g} s, "
-                f"not at {float(self.end_s):g} s"
-            )
-        if self.value is not None and not FAULTS[self.kind].value:
-            raise ValueError(f"{self.kind} takes no value, not {self.value}")
+        self.require(FAULTS)
 
 
 def fault(text: str) -> Fault:
     """`short@0.1s`, `stuck@60ms..140ms`, `late:40@20ms` -> the fault. Raises ValueError."""
-    found = FORM.fullmatch(text)
-    if not found or (found[2] is not None and not NUMBER.fullmatch(found[2])):
-        raise ValueError(
-            "a fault must be KIND@TIME, KIND@T0..T1 or, with a whole number, KIND:VALUE@TIME, "
-            f"KIND of {', '.join(FAULTS)}, not {text!r}"
-        )
-    kind, time = found[1], found[3]
-    value = None if found[2] is None else int(found[2])
-    if kind not in FAULTS:
-        raise ValueError(f'a fault must be one of {", ".join(FAULTS)}, not "{kind}"')
-    start, end = span_s(time) if ".." in time else (time_s(time), None)
-    return Fault(kind, start, end, value)
+    return Fault(*parsed(text, FAULTS))

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 
-from railgate.quantity import span_s, time_s
+from railgate.timed_fault import TimedFault, parsed
 from railgate.vital_output.plant import effects
 from railgate.vital_output.plant.draft import Effect
 
 __all__ = ["FAULTS", "Fault", "Kind", "fault"]
 
-FORM = re.compile(r"\s*([\w-]+)(?::([^@]*))?@(.*)", re.DOTALL)
-NUMBER = re.compile(r"\s*-?[0-9]{1,12}\s*")
 OUTPUT = ("the output", "0")
 
 
@@ -180,44 +176,13 @@ cycles, all those that the span touches."""
 
 
 @dataclass(frozen=True)
-class Fault:
-    """One kind of FAULTS from a time on until another; None: see FAULTS.
-
-    Times are in seconds from the start. value: None is the kind's default. Raises ValueError.
-    """
-
-    kind: str
-    start_s: Fraction
-    end_s: Fraction | None = None
-    value: int | None = None
+class Fault(TimedFault):
+    """One kind of FAULTS from a time on until another; None: see FAULTS. Raises ValueError."""
 
     def __post_init__(self) -> None:
-        if self.kind not in FAULTS:
-            raise ValueError(f'a fault must be one of {", ".join(FAULTS)}, not "{self.kind}"')
-        if self.start_s < 0:
-            raise ValueError(
-                f"{self.kind} must begin at 0 s at the earliest, not {float(self.start_s):g} s"
-            )
-        if self.end_s is not None and not self.start_s < self.end_s:
-            raise ValueError(
-                f"{self.kind} must end after it begins at {float(self.start_s):g} s, "
-                f"not at {float(self.end_s):g} s"
-            )
-        if self.value is not None and not FAULTS[self.kind].value:
-            raise ValueError(f"{self.kind} takes no value, not {self.value}")
+        self.require(FAULTS)
 
 
 def fault(text: str) -> Fault:
     """`welded@0.1s`, `stopped-1@60ms..140ms`, `rogue-2:3@20ms` -> the fault. Raises ValueError."""
-    found = FORM.fullmatch(text)
-    if not found or (found[2] is not None and not NUMBER.fullmatch(found[2])):
-        raise ValueError(
-            "a fault must be KIND@TIME, KIND@T0..T1 or, with a whole number, KIND:VALUE@TIME, "
-            f"KIND of {', '.join(FAULTS)}, not {text!r}"
-        )
-    kind, time = found[1], found[3]
-    value = None if found[2] is None else int(found[2])
-    if kind not in FAULTS:
-        raise ValueError(f'a fault must be one of {", ".join(FAULTS)}, not "{kind}"')
-    start, end = span_s(time) if ".." in time else (time_s(time), None)
-    return Fault(kind, start, end, value)
+    return Fault(*parsed(text, FAULTS))
