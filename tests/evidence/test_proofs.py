@@ -20,6 +20,7 @@ def test_the_fast_claims_are_proven_and_reject_their_mutants(claim: Claim) -> No
     assert [mutant.rejected for mutant in result.mutants] == [True] * len(claim.mutants)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", ALL, ids=lambda claim: claim.name)
 def test_every_mutant_has_another_netlist(claim: Claim) -> None:
     texts = [netlist(elaborated(claim, mutant), helped=True) for mutant in (None, *claim.mutants)]

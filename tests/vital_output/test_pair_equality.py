@@ -138,8 +138,9 @@ def test_the_pair_is_that_of_leap_whatever_goes_wrong(case: Case, data: st.DataO
     assert_cases(case, data, 8)
 
 
+@pytest.mark.slow
 @given(st.data())
-@settings(max_examples=2, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_the_pair_of_pysim_is_that_of_leap_whatever_goes_wrong(data: st.DataObject) -> None:
     inputs = stimulus(APART, data, 1).slice(0, SHORT)
     assert_pair_is_the_same(APART, inputs, open_engine(APART.made(), "pysim"), SHORT // 2)
