@@ -130,8 +130,8 @@ def test_the_evidence_of_the_default_frame() -> None:
     assert default.greatest[0] * 2**32 == pytest.approx(1.111, abs=1e-3)
     assert ethernet.greatest[0] * 2**32 == pytest.approx(1, abs=1e-9)
     # With the FCS around it, errors in the frame.
-    assert [carried.distance for carried in default.carried] == [18, 20, 8]
-    assert [carried.distance for carried in ethernet.carried] == [13, 8, 8]
+    assert [carried.distance for carried in default.carried] == [18, 20, 20]
+    assert [carried.distance for carried in ethernet.carried] == [13, 8, 18]
     greatest = [code.carried[0].greatest * 2.0**64 for code in compared.codes]
     assert greatest == pytest.approx([1, 2529], rel=1e-3)
     for code in compared.codes:

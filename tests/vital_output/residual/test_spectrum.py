@@ -61,8 +61,8 @@ def test_no_sum_of_syndromes_is_likelier_than_0() -> None:
 
 
 def test_what_is_too_much_to_be_counted_is_refused() -> None:
-    code = np.uint64(1) << np.arange(33, dtype=np.uint64)
-    with pytest.raises(ValueError, match=r"must have at most 2\^32 words, not 2\^33"):
+    code = np.uint64(1) << np.arange(34, dtype=np.uint64)
+    with pytest.raises(ValueError, match=r"must have at most 2\^33 words, not 2\^34"):
         spectrum(np.tile(code, 3))
 
 

@@ -20,7 +20,7 @@ __all__ = ["MOST_GENERATORS", "Spectrum", "probability", "spectrum"]
 
 Spectrum = tuple[int, ...]
 """By weight, from 0: so many errors of this weight pass."""
-MOST_GENERATORS = 32
+MOST_GENERATORS = 33
 """2 to this power words are made in seconds."""
 LOW = 10
 """Generators whose 2^10 sums stay in the processor's first cache."""

@@ -19,6 +19,7 @@ from railgate.vital_output.residual.evidence import (
     Comparison,
     Evidence,
 )
+from railgate.vital_output.residual.spectrum import MOST_GENERATORS
 from railgate.vital_output.spec.frame import CRC_BITS
 
 __all__ = ["show"]
@@ -37,7 +38,7 @@ RANK = "exact, rank everywhere"
 AT_RATES = f"exact, at {len(RATES)} rates"
 LEGEND = (
     "Probabilities are of a binary symmetric channel. Not counted: both the code and its dual have "
-    "more than 2³² words."
+    f"more than 2^{MOST_GENERATORS} words."
 )
 
 
