@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 import numpy as np
 import pytest
@@ -105,13 +105,17 @@ def starts(pulses: Waveform, output: int) -> list[int]:
 
 
 def worst_start(scenario: Scenario, delay_ticks: int) -> Fraction:
-    """The longest from the one train's beginning to the other's, in ticks."""
+    """The longest from the one train's beginning to the other's, in ticks.
+
+    One that has not begun in the run does so at its end at the earliest.
+    """
     found = run(scenario, SMALL, None, delay_ticks, PULSES).trace
     ready = int(ready_s(SMALL) / FEMTOSECOND)
     apart = [Fraction(0)]
     for output in range(SMALL.outputs):
         one, other = ([at for at in starts(found[n], output) if at > ready] for n in PULSES)
-        apart += [Fraction(abs(a - b), TICK) for a, b in zip(one, other, strict=True)]
+        both = zip_longest(one, other, fillvalue=found.end)
+        apart += [Fraction(abs(a - b), TICK) for a, b in both]
     return max(apart)
 
 
