@@ -39,7 +39,9 @@ def read_configuration(kind: type[Kind], path: Path) -> Kind:
     except (ValueError, RecursionError) as error:
         told = " ".join(str(error).split())[:500]
         # Names in a file may hold a terminal's control sequences.
-        raise ValueError(f"{path}: {''.join(c if c.isprintable() else '?' for c in told)}") from None
+        raise ValueError(
+            f"{path}: {''.join(c if c.isprintable() else '?' for c in told)}"
+        ) from None
 
 
 def _made(kind: type[Any], table: dict[str, Any]) -> Any:
@@ -69,7 +71,7 @@ def _value(key: str, kind: Any, value: Any) -> Any:
         return tuple(_value(key, of, v) for of, v in zip(get_args(kind), value, strict=True))
     if isinstance(kind, type) and issubclass(kind, IntEnum):
         there = {each.name.lower(): each for each in kind}
-        if value not in there:
+        if not isinstance(value, str) or value not in there:
             raise ValueError(f"{key} must be one of {', '.join(there)}, not {value}")
         return there[value]
     if (number := _number(kind, value)) is None:

@@ -88,9 +88,7 @@ def _constraints(core: Core, found: Borders) -> dict[str, str]:
 def _core(core: Core, folder: Path) -> None:
     verilog = _verilog(core, folder)
     simulated = core.design is not None
-    text = _filled(
-        "fusesoc.core", core, "#", simulated=simulated, version=version("railgate")
-    )
+    text = _filled("fusesoc.core", core, "#", simulated=simulated, version=version("railgate"))
     (folder / f"{core.name}.core").write_text(text, encoding="utf-8")
     if simulated:
         golden = vectors(core)

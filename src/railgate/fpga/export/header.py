@@ -9,7 +9,6 @@ from importlib.metadata import version
 from textwrap import wrap
 
 from railgate.digest import digest
-from railgate.engines.ports import ports
 from railgate.fpga.export.borders import Borders
 from railgate.fpga.export.buses import BUSES, NONE
 from railgate.fpga.export.targets import Core

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -41,11 +41,13 @@ SYNC = "sync"
 
 @dataclass(frozen=True, kw_only=True)
 class Core:
-    """What is exported. name: of its module and files. title: in a few words. component: with all
-    that is on its ports. contract: whose docstring tells of them. hz: of each domain's clock.
-    configurations: by function. map: of its registers. bus: they are on, or NONE. bare: the function
-    or FPGA alone. design, stimulus: a function with its model, and what it is driven with; of the
-    unit's FPGAs None."""
+    """What is exported.
+
+    name: of its module and files. title: in a few words. component: with all that is on its ports.
+    contract: whose docstring tells of them. bare: the function or FPGA alone. hz: of each domain's
+    clock. configurations: by function. map: of its registers. bus: they are on, or NONE. design,
+    stimulus: a function with its model, and what it is driven with; None of the unit's FPGAs.
+    """
 
     name: str
     title: str
@@ -144,7 +146,7 @@ def core(target: str, *, config: str | None = None, bus: str = NONE, fpga: int =
 
 def _unit(config: str, bus: str, fpga: int) -> Core:
     if config not in UNITS:
-        raise ValueError(f'config of the unit must be one of {", ".join(UNITS)}, not "{config}"')
+        raise ValueError(f'config must be one of {", ".join(UNITS)} for the unit, not "{config}"')
     unit = UNITS[config]()
     map_ = unit_registers(unit, fpga)
     bare = Fpga(unit, fpga)

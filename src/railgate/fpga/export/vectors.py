@@ -42,7 +42,8 @@ class Vectors:
             for value in wave.values.tolist()
         ]
         lines = (
-            f"{ticks[at]} {numbers[at]} {int(values[at]):x}\n" for at in np.lexsort((numbers, ticks))
+            f"{ticks[at]} {numbers[at]} {int(values[at]):x}\n"
+            for at in np.lexsort((numbers, ticks))
         )
         return "".join(lines)
 
@@ -63,5 +64,7 @@ def _reset(inputs: Trace) -> Trace:
     """After the first ticks the same from tick 0 on."""
     first = min(FIRST_TICKS, inputs.end)
     whole = inputs.slice(0, first).concatenate(inputs.shift(first))
-    reset = Trace({"rst": Waveform.of([0, first - 1, first], [0, 1, 0])}, whole.period, 0, whole.end)
+    reset = Trace(
+        {"rst": Waveform.of([0, first - 1, first], [0, 1, 0])}, whole.period, 0, whole.end
+    )
     return whole.merge(reset)

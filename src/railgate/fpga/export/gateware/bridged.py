@@ -17,14 +17,14 @@ class Bridged(wiring.Component):
     All other members of both, with their meaning.
     """
 
-    def __init__(self, inside: wiring.Component, bridge: wiring.Component) -> None:
-        self._parts = {"inside": inside, "bridge": bridge}
-        members = {**inside.signature.members, **bridge.signature.members}
+    def __init__(self, served: wiring.Component, bridge: wiring.Component) -> None:
+        self._parts = {"served": served, "bridge": bridge}
+        members = {**served.signature.members, **bridge.signature.members}
         super().__init__({name: member for name, member in members.items() if name != BUS})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        wiring.connect(m, self._parts["bridge"].bus, self._parts["inside"].bus)
+        wiring.connect(m, self._parts["bridge"].bus, self._parts["served"].bus)
         ports = {path: Value.cast(port) for path, _, port in self.signature.flatten(self)}
         for name, part in self._parts.items():
             m.submodules[name] = part

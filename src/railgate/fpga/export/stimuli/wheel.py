@@ -13,9 +13,10 @@ from railgate.waves import Trace, read
 __all__ = ["wheel"]
 
 CAPTURE = "wheel.vcd"
-"""20 ms of two quadrature pairs, with a reversal: an optical sensor's, captured by the project
-sigrok (sigrok-dumps, avago_adns_2051, public domain)."""
-PAIRS = (("XA", "XB"), ("YA", "YB"))
+"""20 ms of two quadrature pairs: an optical sensor's, captured by the project sigrok
+ (sigrok-dumps, avago_adns_2051, public domain)."""
+PAIRS = (("YA", "YB"), ("XA", "XB"))
+"""The second one turns back."""
 READS_S = Fraction(1, 500)
 """From snapshot to snapshot."""
 
