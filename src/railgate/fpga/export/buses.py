@@ -20,16 +20,18 @@ BAUD = 115_200
 
 @dataclass(frozen=True)
 class Bus:
-    """bridge: made for so many address bits, with a clock of so many Hz. still: its inputs without
-    a synchroniser, which stand still while they are read, whatever clock they come from."""
+    """kind: of its bridge. bridge: made for so many address bits, with a clock of so many Hz.
+    still: its inputs without a synchroniser, which stand still while they are read, whatever clock
+    they come from."""
 
+    kind: type[wiring.Component]
     bridge: Callable[[int, int], wiring.Component]
     still: tuple[str, ...] = ()
 
 
 BUSES: Mapping[str, Bus] = {
-    "axi4-lite": Bus(lambda bits, _: AxiLite(bits)),
-    "wishbone": Bus(lambda bits, _: Wishbone(bits)),
-    "local": Bus(lambda bits, _: LocalBus(bits), still=("address", "data_in")),
-    "uart": Bus(lambda bits, clock_hz: Uart(bits, round(clock_hz / BAUD))),
+    "axi4-lite": Bus(AxiLite, lambda bits, _: AxiLite(bits)),
+    "wishbone": Bus(Wishbone, lambda bits, _: Wishbone(bits)),
+    "local": Bus(LocalBus, lambda bits, _: LocalBus(bits), still=("address", "data_in")),
+    "uart": Bus(Uart, lambda bits, clock_hz: Uart(bits, round(clock_hz / BAUD))),
 }

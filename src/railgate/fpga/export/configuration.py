@@ -63,7 +63,7 @@ def _value(key: str, kind: Any, value: Any) -> Any:
     """The value as one of that type. Raises ValueError."""
     if get_origin(kind) is UnionType:
         (kind,) = (each for each in get_args(kind) if each is not NoneType)
-    if is_dataclass(kind) and isinstance(value, dict):
+    if isinstance(kind, type) and is_dataclass(kind) and isinstance(value, dict):
         return _made(kind, value)
     if get_origin(kind) is tuple and isinstance(value, list):
         if len(value) != len(get_args(kind)):

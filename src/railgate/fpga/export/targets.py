@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,11 @@ from railgate.fpga.export.configuration import read_configuration
 from railgate.fpga.export.gateware import Bridged
 from railgate.fpga.export.stimuli import channel, link, wheel
 from railgate.odometer import design as odometer
+from railgate.odometer.gateware import Odometer
 from railgate.odometer.registers import registers as odometer_registers
 from railgate.odometer.spec import Config as OdometerConfig
 from railgate.position_link import design as position_link
+from railgate.position_link.gateware import PositionLink
 from railgate.position_link.registers import registers as link_registers
 from railgate.position_link.spec import Config as LinkConfig
 from railgate.registers import Block, Map
@@ -25,6 +27,7 @@ from railgate.unit.config import UNITS, Unit
 from railgate.unit.gateware import LINK_DOMAIN, Fpga
 from railgate.unit.registers import registers as unit_registers
 from railgate.vital_output import design as vital_output
+from railgate.vital_output.gateware import Channel
 from railgate.vital_output.registers import registers as vital_registers
 from railgate.vital_output.spec import Config as VitalConfig
 from railgate.waves import Trace
@@ -43,23 +46,27 @@ SYNC = "sync"
 class Core:
     """What is exported.
 
-    name: of its module and files. title: in a few words. component: with all that is on its ports.
-    contract: whose docstring tells of them. bare: the function or FPGA alone. hz: of each domain's
-    clock. configurations: by function. map: of its registers. bus: they are on, or NONE. design,
-    stimulus: a function with its model, and what it is driven with; None of the unit's FPGAs.
+    name: of its module and files. title: in a few words. made: makes the component. contract: whose
+    docstrings tell of its ports. hz: of each domain's clock. configurations: by function. map: of
+    its registers. bus: they are on, or NONE. design, stimulus: a function with its model, and what
+    it is driven with; None of the unit's FPGAs.
     """
 
     name: str
     title: str
-    component: wiring.Component
+    made: Callable[[], wiring.Component]
     contract: tuple[type[wiring.Component], ...]
-    bare: wiring.Component
     hz: Mapping[str, int]
     configurations: Mapping[str, DataclassInstance]
     map: Map
     bus: str
     design: Design | None = None
     stimulus: Callable[[], Trace] | None = None
+
+    @cached_property
+    def component(self) -> wiring.Component:
+        """With all that is on its ports; made when it is needed."""
+        return self.made()
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,7 @@ class Function:
     that it is on."""
 
     title: str
+    gateware: type[wiring.Component]
     kind: type[DataclassInstance]
     configured: Callable[[Unit], Any]
     design: Callable[[Any, int], Design]
@@ -79,6 +87,7 @@ class Function:
 FUNCTIONS: Mapping[str, Function] = {
     "odometer": Function(
         "period, phase, pulses and position of two-channel wheel sensors",
+        Odometer,
         OdometerConfig,
         lambda unit: unit.odometer,
         lambda config, _: odometer.design(config),
@@ -87,6 +96,7 @@ FUNCTIONS: Mapping[str, Function] = {
     ),
     "position_link": Function(
         "asks a position system for its word and delivers it to a radio unit",
+        PositionLink,
         LinkConfig,
         lambda unit: unit.link,
         lambda config, _: position_link.design(config),
@@ -95,6 +105,7 @@ FUNCTIONS: Mapping[str, Function] = {
     ),
     "vital_output": Function(
         "one channel of two that vote commands and drive a relay together",
+        Channel,
         VitalConfig,
         lambda unit: unit.vital,
         lambda config, fpga: vital_output.design(config, fpga - 1),
@@ -125,16 +136,18 @@ def core(target: str, *, config: str | None = None, bus: str = NONE, fpga: int =
     settings = _settings(function, config)
     design = function.design(settings, fpga)
     block = function.registers(settings)
-    bare = design.component()
     name = f"{target}_{fpga}" if function.paired else target
     clock_hz: int = settings.clock_hz
-    behind = partial(_bridged, bus, clock_hz)
+
+    def made() -> wiring.Component:
+        bare = design.component()
+        return bare if bus == NONE else _bridged(bus, clock_hz, Mapped(bare, block), block.size)
+
     return Core(
         name=_name(name, bus),
         title=function.title,
-        component=bare if bus == NONE else behind(Mapped(bare, block), block.size),
-        contract=_contract(bare, bus),
-        bare=bare,
+        made=made,
+        contract=_contract(function.gateware, bus),
         hz={SYNC: clock_hz},
         configurations={target: settings},
         map=Map.of(target, block.description, [block]),
@@ -149,17 +162,23 @@ def _unit(config: str, bus: str, fpga: int) -> Core:
         raise ValueError(f'config must be one of {", ".join(UNITS)} for the unit, not "{config}"')
     unit = UNITS[config]()
     map_ = unit_registers(unit, fpga)
-    bare = Fpga(unit, fpga)
-    hz = {SYNC: unit.odometer.clock_hz} | ({LINK_DOMAIN: unit.link.clock_hz} if fpga == 1 else {})
-    settings = {"odometer": unit.odometer, "vital_output": unit.vital}
+    clock_hz = unit.odometer.clock_hz
+    settings: dict[str, DataclassInstance] = {"odometer": unit.odometer, "vital_output": unit.vital}
+    hz = {SYNC: clock_hz}
+    if fpga == 1:
+        settings["position_link"], hz[LINK_DOMAIN] = unit.link, unit.link.clock_hz
+
+    def made() -> wiring.Component:
+        bare = Fpga(unit, fpga)
+        return bare if bus == NONE else _bridged(bus, clock_hz, bare, map_.size)
+
     return Core(
         name=_name(f"fpga_{fpga}", bus),
         title=map_.description,
-        component=bare if bus == NONE else _bridged(bus, hz[SYNC], bare, map_.size),
-        contract=_contract(bare, bus),
-        bare=bare,
+        made=made,
+        contract=_contract(Fpga, bus),
         hz=hz,
-        configurations=settings | ({"position_link": unit.link} if fpga == 1 else {}),
+        configurations=settings,
         map=map_,
         bus=bus,
     )
@@ -173,16 +192,12 @@ def _settings(function: Function, config: str | None) -> Any:
     return read_configuration(function.kind, Path(config))
 
 
-def _bridge(bus: str, clock_hz: int, size: int) -> wiring.Component:
-    return BUSES[bus].bridge(address_bits(size), clock_hz)
+def _bridged(bus: str, clock_hz: int, served: wiring.Component, size: int) -> wiring.Component:
+    return Bridged(served, BUSES[bus].bridge(address_bits(size), clock_hz))
 
 
-def _bridged(bus: str, clock_hz: int, inside: wiring.Component, size: int) -> wiring.Component:
-    return Bridged(inside, _bridge(bus, clock_hz, size))
-
-
-def _contract(bare: wiring.Component, bus: str) -> tuple[type[wiring.Component], ...]:
-    return (type(bare),) if bus == NONE else (type(bare), type(_bridge(bus, 16 * 10**6, 64)))
+def _contract(gateware: type[wiring.Component], bus: str) -> tuple[type[wiring.Component], ...]:
+    return (gateware,) if bus == NONE else (gateware, BUSES[bus].kind)
 
 
 def _name(name: str, bus: str) -> str:

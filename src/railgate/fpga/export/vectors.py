@@ -55,7 +55,7 @@ def vectors(core: Core) -> Vectors:
         raise ValueError(f"{core.name} must be one function to have vectors")
     inputs = _reset(stimulus())
     outputs = open_engine(design, "leap").advance(inputs.end, inputs)
-    signals = ports(core.bare, design.clocks)
+    signals = ports(core.component, design.clocks)
     trace = inputs.merge(outputs)
     return Vectors(tuple(port for port in signals if port.name in trace.signals), trace)
 

@@ -14,7 +14,7 @@ __all__ = ["wheel"]
 
 CAPTURE = "wheel.vcd"
 """20 ms of two quadrature pairs: an optical sensor's, captured by the project sigrok
- (sigrok-dumps, avago_adns_2051, public domain)."""
+(sigrok-dumps, avago_adns_2051, public domain)."""
 PAIRS = (("YA", "YB"), ("XA", "XB"))
 """The second one turns back."""
 READS_S = Fraction(1, 500)
