@@ -61,8 +61,3 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Exported:
         return Core(folder)
 
     return make
-
-
-@pytest.fixture
-def scratch(tmp_path: Path) -> Path:
-    return tmp_path

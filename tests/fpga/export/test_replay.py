@@ -30,19 +30,19 @@ def whole(made: Core) -> int:
 
 @needs_icarus
 @pytest.mark.parametrize("target", QUICK)
-def test_icarus_answers_as_the_model_for_a_while(exported, scratch, target) -> None:
+def test_icarus_answers_as_the_model_for_a_while(exported, tmp_path, target) -> None:
     made = exported(target)
-    passes(icarus(made, scratch, QUICK[target]), made.name, QUICK[target])
+    passes(icarus(made, tmp_path, QUICK[target]), made.name, QUICK[target])
 
 
 @needs_icarus
-def test_icarus_answers_as_the_model_of_a_small_channel_that_drives(exported, scratch) -> None:
+def test_icarus_answers_as_the_model_of_a_small_channel_that_drives(exported, tmp_path) -> None:
     made = exported("vital_output", small=True)
-    passes(icarus(made, scratch), made.name, whole(made))
+    passes(icarus(made, tmp_path), made.name, whole(made))
 
 
 @needs_icarus
-def test_a_synchroniser_that_is_a_tick_too_short_is_found(exported, scratch) -> None:
+def test_a_synchroniser_that_is_a_tick_too_short_is_found(exported, tmp_path) -> None:
     made = exported("odometer")
     text = made.text(".v")
     broken, count = re.subn(
@@ -54,7 +54,7 @@ def test_a_synchroniser_that_is_a_tick_too_short_is_found(exported, scratch) -> 
     )
     assert count == 1
     assert sum(a != b for a, b in zip(text.splitlines(), broken.splitlines(), strict=True)) == 1
-    result = icarus(made, scratch, QUICK["odometer"], broken)
+    result = icarus(made, tmp_path, QUICK["odometer"], broken)
     assert result.returncode != 0
     assert re.search(r"^tick \d+: sensor__\d__\w+ is \w+, must be \w+$", result.stdout, re.M)
     assert "FAIL: railgate_odometer is not as its model" in result.stdout
@@ -62,14 +62,14 @@ def test_a_synchroniser_that_is_a_tick_too_short_is_found(exported, scratch) -> 
 
 
 @needs_icarus
-def test_vectors_that_are_not_there_are_no_pass(exported, scratch) -> None:
+def test_vectors_that_are_not_there_are_no_pass(exported, tmp_path) -> None:
     made = exported("odometer")
-    assert icarus(made, scratch, 10).returncode == 0
-    made.file(".vectors").rename(scratch / "away")
+    assert icarus(made, tmp_path, 10).returncode == 0
+    made.file(".vectors").rename(tmp_path / "away")
     try:
-        result = icarus(made, scratch, 10)
+        result = icarus(made, tmp_path, 10)
     finally:
-        (scratch / "away").rename(made.file(".vectors"))
+        (tmp_path / "away").rename(made.file(".vectors"))
     assert result.returncode != 0
     assert "FAIL: no file" in result.stdout
 
@@ -103,22 +103,22 @@ def assert_engine(target: str, engine: str, ticks: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("target", FUNCTIONS)
-def test_verilator_answers_as_the_model_in_every_tick(exported, scratch, target) -> None:
+def test_verilator_answers_as_the_model_in_every_tick(exported, tmp_path, target) -> None:
     made = exported(target)
-    passes(verilator(made, scratch), made.name, whole(made))
+    passes(verilator(made, tmp_path), made.name, whole(made))
 
 
 @pytest.mark.slow
 @needs_icarus
 @pytest.mark.parametrize("target", QUICK)
-def test_icarus_answers_as_the_model_in_every_tick(exported, scratch, target) -> None:
+def test_icarus_answers_as_the_model_in_every_tick(exported, tmp_path, target) -> None:
     made = exported(target)
-    passes(icarus(made, scratch), made.name, whole(made))
+    passes(icarus(made, tmp_path), made.name, whole(made))
 
 
 @pytest.mark.slow
 @needs_icarus
 @pytest.mark.parametrize("bus", ["axi4-lite", "wishbone", "local", "uart"])
-def test_the_vectors_fit_a_core_with_registers_whose_bus_rests(exported, scratch, bus) -> None:
+def test_the_vectors_fit_a_core_with_registers_whose_bus_rests(exported, tmp_path, bus) -> None:
     made = exported("odometer", bus)
-    passes(icarus(made, scratch, QUICK["odometer"]), made.name, QUICK["odometer"])
+    passes(icarus(made, tmp_path, QUICK["odometer"]), made.name, QUICK["odometer"])
