@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from railgate.fpga.export.borders import Borders
 
-__all__ = ["FORMATS", "Constrained"]
+__all__ = ["CONSTRAINTS", "Constrained"]
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _lpf(of: Constrained) -> Iterator[str]:
         yield f'MAXDELAY FROM CLKNET "{source}" TO CLKNET "{sink}" {of.period_ns(sink)} NS;'
 
 
-FORMATS: Mapping[str, tuple[str, Callable[[Constrained], Iterator[str]]]] = {
+CONSTRAINTS: Mapping[str, tuple[str, Callable[[Constrained], Iterator[str]]]] = {
     "sdc": ("#", _sdc),
     "xdc": ("#", _xdc),
     "lpf": ("#", _lpf),

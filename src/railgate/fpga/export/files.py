@@ -14,8 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from railgate.fpga.export.bench import bench
 from railgate.fpga.export.borders import Borders, borders
 from railgate.fpga.export.buses import BUSES, NONE
-from railgate.fpga.export.constraints import FORMATS as CONSTRAINTS
-from railgate.fpga.export.constraints import Constrained
+from railgate.fpga.export.constraints import CONSTRAINTS, Constrained
 from railgate.fpga.export.header import described, heading
 from railgate.fpga.export.netlist import netlist
 from railgate.fpga.export.targets import Core

@@ -13,7 +13,7 @@ from railgate.fpga.export.borders import Borders
 from railgate.fpga.export.buses import BUSES, NONE
 from railgate.fpga.export.targets import Core
 
-__all__ = ["LICENCE", "described", "heading"]
+__all__ = ["described", "heading"]
 
 LICENCE = "Apache-2.0"
 WIDTH = 96
