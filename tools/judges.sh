@@ -1,9 +1,17 @@
 #!/bin/sh
-# Outside judges that PyPI does not have. Without them the tests use the answers kept in tests/data.
-command -v sigrok-cli >/dev/null && exit 0
+# Outside judges that PyPI does not have: sigrok-cli, an independent decoder of the same captures, and
+# iverilog, a second simulator of what is exported. Without them the tests use the answers kept in
+# tests/data, and skip what only Icarus Verilog can judge.
+missing() {
+    for tool in sigrok-cli iverilog; do
+        command -v $tool >/dev/null || printf '%s ' $tool
+    done
+}
+[ -z "$(missing)" ] && exit 0
 if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-    echo "installing sigrok-cli, an independent decoder of the same captures"
-    { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y sigrok-cli; } >/dev/null 2>&1
+    echo "installing $(missing)"
+    { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y $(missing); } >/dev/null 2>&1
 fi
-command -v sigrok-cli >/dev/null ||
-    echo "sigrok-cli is missing (Debian: apt-get install sigrok-cli): its kept answers are used"
+for tool in $(missing); do
+    echo "$tool is missing (Debian: apt-get install $tool): tests go without it"
+done

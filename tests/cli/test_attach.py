@@ -136,9 +136,6 @@ def test_a_board_that_cannot_be_understood_is_one_line(railgate, answer, says) -
         (("attach", "/dev/none", "--every", "soon"), "soon"),
         (("registers", "--unit", "tram"), 'unit must be one of metro, maglev, not "tram"'),
         (("registers", "--fpga", "3"), "fpga must be 1 or 2, not 3"),
-        (("registers", "--format", "pdf"), 'table, systemrdl, c-header, html, not "pdf"'),
-        (("registers", "--format", "html"), "--format html needs --out"),
-        (("registers", "--format", "c-header", "--out", "/dev/null/x"), "cannot be written"),
     ],
 )
 def test_a_bad_call_is_one_clear_line_and_exit_code_2(railgate, arguments, says) -> None:
@@ -168,18 +165,3 @@ def test_the_map_is_printed_field_by_field(railgate) -> None:
     assert code == 0
     assert "sensor_1_since_edge" in out
     assert "position_link" not in out
-
-
-@pytest.mark.shows("SYS-1")
-def test_the_map_is_written_for_other_tools(railgate, tmp_path) -> None:
-    code, out, _ = railgate("registers", "--format", "systemrdl")
-    assert code == 0
-    assert "addrmap fpga_1 {" in out
-    header = tmp_path / "fpga.h"
-    code, out, _ = railgate("registers", "--format", "c-header", "--out", str(header))
-    assert (code, out) == (0, f"wrote {header}\n")
-    assert "} fpga_1_t;" in header.read_text(encoding="utf-8")
-    code, out, _ = railgate("registers", "--format", "html", "--out", str(tmp_path / "pages"))
-    assert code == 0
-    assert (tmp_path / "pages" / "index.html").exists()
-    assert out == f"wrote {tmp_path / 'pages' / 'index.html'}\n"

@@ -14,6 +14,7 @@ from proving.counting import NeverAbove, claim
 from railgate.cli import (
     attach,
     evidence,
+    export,
     fpga,
     odometer,
     position_link,
@@ -165,6 +166,7 @@ COMMANDS = {
     ("attach",): attach.attach_,
     ("fpga", "report"): fpga.report_,
     ("registers",): registers.registers_,
+    ("export",): export.export_,
 }
 ELSEWHERE = {("simulate", "odometer"): ("measure",), ("decode",): ("simulate", "link")}
 """Where the options that a command shares with another are told."""

@@ -11,6 +11,7 @@ from railgate import doctor as checkup
 from railgate.cli import (
     attach,
     evidence,
+    export,
     fpga,
     odometer,
     position_link,
@@ -35,6 +36,7 @@ simulations.command("link")(position_link.simulate_link)
 simulations.command("vital")(vital_output.simulate_vital)
 app.command("attach")(attach.attach_)
 app.command("registers")(registers.registers_)
+app.command("export")(export.export_)
 app.command("residual")(residual.residual_)
 app.command("prove")(proofs.prove_)
 app.command("evidence")(evidence.evidence_)

@@ -42,7 +42,7 @@ def _version(package: str) -> str:
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
-        raise ValueError(f"placing needs {package}: install railgate[fpga]") from None
+        raise ValueError(f"{package} is needed: install railgate[fpga]") from None
 
 
 def _run(package: str, arguments: Sequence[str], folder: Path, limit_s: float) -> None:

