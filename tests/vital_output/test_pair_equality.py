@@ -148,7 +148,7 @@ def test_the_pair_of_pysim_is_that_of_leap_whatever_goes_wrong(data: st.DataObje
 
 @pytest.mark.slow
 @given(st.sampled_from((*CASES, BROAD)), st.data())
-@settings(max_examples=800, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_the_pair_is_that_of_leap_whatever_goes_wrong_for_long(
     case: Case, data: st.DataObject
 ) -> None:
@@ -157,7 +157,7 @@ def test_the_pair_is_that_of_leap_whatever_goes_wrong_for_long(
 
 @pytest.mark.slow
 @given(clocks() | odd_clocks(), st.data())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_the_pair_is_that_of_leap_whatever_its_clocks_are(
     timing: dict[str, Fraction], data: st.DataObject
 ) -> None:
