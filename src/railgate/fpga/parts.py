@@ -65,6 +65,18 @@ _ICE40 = {
     **{f"SB_DFF{e}{r}": FF for e in ("", "E") for r in ("", "R", "S", "SR", "SS")},
 }
 
+_GOWIN = {
+    **{f"LUT{inputs}": LUT for inputs in range(1, 5)},
+    "ALU": LUT,
+    **{f"MUX2_LUT{inputs}": FREE for inputs in range(5, 9)},
+    "RAM16SDP4": LUT * 4,
+    **{f"DFF{e}{r}": FF for e in ("", "E") for r in ("", "R", "S", "P", "C")},
+    "SDPB": RAM,
+    "SDPX9B": RAM,
+    "DPB": RAM,
+    "SP": RAM,
+}
+
 REFERENCE = "ECP5-25F-6"
 """The part that goals are set for."""
 
