@@ -19,7 +19,6 @@ from amaranth.lib.wiring import In
 from railgate.registers import WORD_BITS, WORD_BYTES
 from railgate.registers.gateware.uart.frames import FrameReceiver
 from railgate.registers.gateware.uart.line import ByteReceiver
-from railgate.vital_output.gateware import Channel
 from railgate.vital_output.spec import Config
 
 __all__ = ["FED", "CpuLine"]
@@ -36,15 +35,16 @@ HEADER = data.StructLayout({"kind": 16, "boot": 16})
 class CpuLine(wiring.Component):
     """Takes commands and the time off a line, in domain sync.
 
-    bit_ticks: of the line. rx: in, 1 bit, pin, asynchronous. command, time, boot: out, see Channel;
-    boot is the last time's, 0 before the first.
+    channel: the signature of the Channel, which the line serves. bit_ticks: of the line. rx: in,
+    1 bit, pin, asynchronous. command, time, boot: out, see Channel; boot is the last time's, 0
+    before the first.
     """
 
-    def __init__(self, config: Config, bit_ticks: int) -> None:
+    def __init__(self, config: Config, channel: wiring.Signature, bit_ticks: int) -> None:
         self._config = config
         self._bit_ticks = bit_ticks
-        fed = Channel(config, 0).signature.members
-        super().__init__({"rx": In(1)} | {name: fed[name].flip() for name in FED})
+        fed = {name: channel.members[name].flip() for name in FED}
+        super().__init__({"rx": In(1)} | fed)
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -63,9 +63,7 @@ class CpuLine(wiring.Component):
             m.d.sync += held.eq(Cat(held[WORD_BITS:], frames.word))
         with m.If(frames.there & (frames.index == 0)):
             m.d.sync += header.eq(frames.word)
-        index, phase, _ = (
-            held.word_select(words + 1 - place, WORD_BITS) for place in (3, 2, 1)
-        )
+        index, phase, _ = (held.word_select(words + 1 - place, WORD_BITS) for place in (3, 2, 1))
         m.d.comb += [self.time.index.eq(index), self.time.phase.eq(phase)]
 
         at, sends = Signal(range(count)), Signal()

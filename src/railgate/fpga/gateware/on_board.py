@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from amaranth.build import Platform
-from amaranth.hdl import ClockDomain, Module, Signal
+from amaranth.hdl import ClockDomain, Module
 from amaranth.lib import io, wiring
 from amaranth.lib.wiring import Out
 
@@ -22,7 +22,7 @@ def resource(path: tuple[str | int, ...]) -> str:
 
 def clock_net(domain: str) -> str:
     """The name of a domain's clock in the netlist."""
-    return f"{domain}_clock"
+    return str(ClockDomain(domain).clk.name)
 
 
 class OnBoard(wiring.Component):
@@ -58,13 +58,11 @@ class OnBoard(wiring.Component):
             m.submodules[f"{domain}_pll"] = pll = PLLS[self._family](setting, reference)
             m.submodules[f"{domain}_start"] = start = Start(int(setting.hz))
             m.domains += (driven := ClockDomain(domain))
-            clock = Signal(name=clock_net(domain))
-            platform.add_clock_constraint(clock, float(setting.hz))
+            platform.add_clock_constraint(driven.clk, float(setting.hz))
             m.d.comb += [
-                clock.eq(pll.clk),
-                start.clk.eq(clock),
-                start.locked.eq(pll.locked),
-                driven.clk.eq(clock),
+                driven.clk.eq(pll.clk),
                 driven.rst.eq(start.rst),
+                start.clk.eq(driven.clk),
+                start.locked.eq(pll.locked),
             ]
         return m
