@@ -8,7 +8,8 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -20,16 +21,16 @@ from railgate.fpga.boards import Pin, board, builtin_pins, read_pins
 from railgate.fpga.flow import check_fits, taken
 from railgate.fpga.gateware.on_board import OnBoard, clock_net, resource
 from railgate.fpga.gateware.top import Top
-from railgate.fpga.parts import Area, part
+from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.pll import setting
 from railgate.fpga.tools import UnplacedError, nextpnr, pack, version, yosys
 from railgate.unit.config import UNITS
 from railgate.waves import replacing
 
-__all__ = ["STEPS", "Built", "build"]
+__all__ = ["STEPS", "Built", "build", "reached"]
 
 STEPS = ("netlist", "synthesis", "place and route", "packing")
-TOP = "top"
+TOP, PLACED, BITSTREAM = "top", "placed", "bitstream"
 MHZ = 1_000_000
 
 SYNTHESIS = """
@@ -96,70 +97,41 @@ def build(
     call of a tool. begins: called with each of STEPS. Raises UnplacedError where the target is too
     big for the board, misses a clock, or a tool takes too long; ValueError.
     """
-    its_board = board(on)
-    its_part = part(its_board.part)
     if unit not in UNITS:
         raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{unit}"')
     if not 0 <= seed < 1 << 31:
         raise ValueError(f"seed must be between 0 and {(1 << 31) - 1}, not {seed}")
-    files = FILES[its_part.nextpnr]
+    its_board = board(on)
+    its_part = part(its_board.part)
     versions = _versions(its_part.nextpnr)
     begins(STEPS[0])
-    top, platform = Top(UNITS[unit](), target), its_board.open()
-    wired = (
-        builtin_pins(on, top.signature, platform)
-        if pins is None
-        else read_pins(pins, top.signature, platform)
-    )
-    oscillator_hz = int(platform.default_clk_frequency)
-    settings = {
-        domain: setting(its_part.nextpnr, oscillator_hz, hz) for domain, hz in top.clocks.items()
-    }
-    platform.add_resources([_resource(pin) for pin in wired])
-    made = OnBoard(top, settings, its_part.nextpnr, pad=its_board.pll_pad)
-    plan = platform.prepare(made, TOP, emit_src=False).files
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".build-", dir=folder) as scratch:
-            at = Path(scratch)
-            for name in ("top.il", constraints := f"top.{files.constraints}"):
-                (at / name).write_bytes(_bytes(plan[name]))
-            begins(STEPS[1])
-            yosys(SYNTHESIS.format(synthesis=its_part.synthesis), at, limit_s)
-            area = sum(taken(at / "cells.json", its_part).values(), Area())
-            check_fits(target, area, its_board.part)
-            begins(STEPS[2])
-            nextpnr(
-                its_part.nextpnr,
-                (
-                    *its_part.options,
-                    files.given.format(constraints),
-                    *("--json", "netlist.json", files.placed, "placed", "--seed", str(seed)),
-                    *("--freq", f"{max(top.clocks.values()) / MHZ:g}", "--timing-allow-fail"),
-                    *("--report", "report.json"),
-                ),
-                at,
-                limit_s,
-            )
-            reached = _reached(json.loads((at / "report.json").read_text("utf-8")), top.clocks)
-            for domain, mhz in reached.items():
-                _check_clock(f"{target} on {on}", domain, top.clocks[domain] / MHZ, mhz)
-            begins(STEPS[3])
-            pack(its_part.nextpnr, files.pack("placed", "bitstream"), at, limit_s)
-            bitstream = (at / "bitstream").read_bytes()
-    except OSError as error:
-        raise ValueError(f"{folder} cannot be written: {error.strerror}") from None
+    top = Top(UNITS[unit](), target)
+    wired, files = _plan(top, on, pins)
+    with _scratch(folder) as at:
+        for name, content in files.items():
+            (at / name).write_bytes(content)
+        begins(STEPS[1])
+        yosys(SYNTHESIS.format(synthesis=its_part.synthesis), at, limit_s)
+        area = sum(taken(at / "cells.json", its_part).values(), Area())
+        check_fits(target, area, its_board.part)
+        begins(STEPS[2])
+        fmax_mhz = _place(top, its_part, seed, at, limit_s)
+        for domain, mhz in fmax_mhz.items():
+            _check_clock(f"{target} on {on}", domain, top.clocks[domain] / MHZ, mhz)
+        begins(STEPS[3])
+        pack(its_part.nextpnr, FILES[its_part.nextpnr].pack(PLACED, BITSTREAM), at, limit_s)
+        bitstream = (at / BITSTREAM).read_bytes()
     facts = {
         "target": target,
         "board": on,
         "part": its_board.part,
         "unit": unit,
         "seed": seed,
-        "bitstream": f"{target}-{on}.{files.suffix}",
+        "bitstream": f"{target}-{on}.{FILES[its_part.nextpnr].suffix}",
         "sha256": sha256(bitstream).hexdigest(),
         "clocks": [
             {"domain": domain, "mhz": top.clocks[domain] / MHZ, "fmax_mhz": round(mhz, 2)}
-            for domain, mhz in reached.items()
+            for domain, mhz in fmax_mhz.items()
         ],
         "takes": {
             what: {"used": used, "of": getattr(its_part.has, what)}
@@ -172,6 +144,50 @@ def build(
         "tools": versions,
     }
     return _keep(folder, bitstream, facts)
+
+
+def _plan(top: Top, on: str, pins: Path | None) -> tuple[tuple[Pin, ...], dict[str, bytes]]:
+    """The pins, and the files for the tools: netlist and constraints. Raises ValueError."""
+    its_board = board(on)
+    platform, family = its_board.open(), part(its_board.part).nextpnr
+    needed = top.signature
+    if pins is None:
+        wired = builtin_pins(on, needed, platform)
+    else:
+        wired = read_pins(pins, needed, platform)
+    oscillator_hz = int(platform.default_clk_frequency)
+    settings = {domain: setting(family, oscillator_hz, hz) for domain, hz in top.clocks.items()}
+    platform.add_resources([_resource(pin) for pin in wired])
+    design = OnBoard(top, settings, family, pad=its_board.pll_pad)
+    made = platform.prepare(design, TOP, emit_src=False).files
+    names = f"{TOP}.il", f"{TOP}.{FILES[family].constraints}"
+    return wired, {name: _bytes(made[name]) for name in names}
+
+
+@contextmanager
+def _scratch(folder: Path) -> Iterator[Path]:
+    """A folder in it, for as long as the block lasts."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".build-", dir=folder) as scratch:
+            yield Path(scratch)
+    except OSError as error:
+        raise ValueError(f"{folder} cannot be written: {error.strerror}") from None
+
+
+def _place(top: Top, on: Part, seed: int, at: Path, limit_s: float) -> dict[str, float]:
+    """Place and route the netlist there; the clock that each domain reaches, MHz."""
+    files = FILES[on.nextpnr]
+    arguments = (
+        *on.options,
+        files.given.format(f"{TOP}.{files.constraints}"),
+        *("--json", "netlist.json", files.placed, PLACED, "--report", "report.json"),
+        # Of clocks without a constraint of their own. What a clock has missed is told below.
+        *("--freq", f"{max(top.clocks.values()) / MHZ:g}", "--timing-allow-fail"),
+        *("--seed", str(seed)),
+    )
+    nextpnr(on.nextpnr, arguments, at, limit_s)
+    return reached(json.loads((at / "report.json").read_text("utf-8")), top.clocks)
 
 
 def _resource(pin: Pin) -> Resource:
@@ -191,7 +207,7 @@ def _versions(architecture: str) -> dict[str, str]:
     return {**{name: importlib.metadata.version(name) for name in ours}, **found}
 
 
-def _reached(report: Mapping[str, Any], clocks: Mapping[str, int]) -> dict[str, float]:
+def reached(report: Mapping[str, Any], clocks: Mapping[str, int]) -> dict[str, float]:
     """Of each domain its clock in nextpnr's report, MHz. Raises ValueError unless it is held
     against the frequency that the domain needs."""
     nets = {

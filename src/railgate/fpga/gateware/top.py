@@ -90,12 +90,12 @@ class Top(wiring.Component):
         for name, function in (("link", "position_link"), ("channel", "vital_output")):
             if function in there:
                 self._served[name] = getattr(self._inside, name, self._inside)
-        members = {name: dict(_pinned(name, inside)) for name, inside in self._served.items()}
+        members = {"uart": {"rx": In(1), "tx": Out(1, init=1)}}
+        members |= {name: dict(_pinned(name, inside)) for name, inside in self._served.items()}
         if "channel" in self._served:
             members["channel"]["cpu_rx"] = In(1)
             channel = self._served["channel"].signature
             self._line = CpuLine(unit.vital, channel, self.bit_ticks)
-        members["uart"] = {"rx": In(1), "tx": Out(1, init=1)}
         super().__init__({name: Out(wiring.Signature(pins)) for name, pins in members.items()})
 
     @property
