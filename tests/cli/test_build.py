@@ -26,10 +26,12 @@ def test_a_bitstream_and_its_facts_are_written(railgate) -> None:
 
 
 def test_what_cannot_be_placed_is_one_line_and_exit_code_1(railgate) -> None:
-    code, out, err = railgate("build", "fpga_1", "--board", "icebreaker", "--limit", "1ms")
+    code, out, err = railgate("build", "odometer", "--board", "icebreaker", "--limit", "1ms")
     assert (code, out) == (1, "")
     assert err == "railgate: yosys was not done in 0.001 s\n"
     assert not list(Path("build/boards").iterdir())
+    told = railgate("build", "fpga_1", "--board", "icebreaker")
+    assert told == (1, "", "railgate: fpga_1 must take at most 1 PLL of iCE40-UP5K, not 2\n")
 
 
 def test_boards_and_targets_are_listed(railgate) -> None:

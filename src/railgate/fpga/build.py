@@ -106,6 +106,11 @@ def build(
     versions = _versions(its_part.nextpnr)
     begins(STEPS[0])
     top = Top(UNITS[unit](), target)
+    if len(top.clocks) > its_part.plls:
+        raise UnplacedError(
+            f"{target} must take at most {its_part.plls} PLL of {its_board.part}, "
+            f"not {len(top.clocks)}"
+        )
     wired, files = _plan(top, on, pins)
     with _scratch(folder) as at:
         for name, content in files.items():

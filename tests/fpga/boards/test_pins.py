@@ -66,8 +66,8 @@ def test_a_pin_of_a_connector_is_one_of_the_package(tmp_path) -> None:
         ("gpio_0:5+", "G2", "9: cpu_rx: pin G2 must be free, not the oscillator's"),
         ('"A4"', '"gpio_0:7+"', "12: pulses: pins must differ, not be gpio_0:7\\+, gpio_0:7\\+"),
         ('"LVCMOS33"', "true", "2: IO_TYPE must be a text or a whole number"),
-        ("[uart]", "uart = 3\n[x]", "4: uart must be a table, \\[uart\\]"),
-        ("[channel]", "[link]", "8: no key .*"),
+        ("[attr", "link = 3\n[attr", "1: link must be a table, \\[link\\]"),
+        ("[channel]", "[link]", '9: no key "cpu_rx" is known; there are: clk, .*'),
         ("[uart]", "[uart", " Expected .*"),
     ],
 )

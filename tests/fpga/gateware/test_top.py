@@ -1,18 +1,19 @@
 """The very top that is built for a board, compiled, answers `railgate attach`."""
 
+import time
 from fractions import Fraction
 from functools import cache
 
 import numpy as np
 import pytest
 
-from railgate.attach import on_port, readings
+from railgate.attach import Live, readings
 from railgate.engines import Clock, Design
 from railgate.fpga.cpu_line import command_frame, time_frame
 from railgate.fpga.gateware.top import BAUD, PINS, TARGETS, Top
 from railgate.odometer.plant import Sensor, course
 from railgate.position_link.plant import Scenario
-from railgate.registers.host import Running
+from railgate.registers.host import Running, UartBus
 from railgate.unit.config import Unit
 from railgate.vital_output.host import encode
 from railgate.waves import Trace, Waveform
@@ -23,6 +24,10 @@ SECONDS = 20
 """Of the pins."""
 FEMTOSECOND = Fraction(1, 10**15)
 BOOT = 77
+WAIT_S = 20.0
+"""For an answer: the top in the engine is slower than one on a board."""
+LOOKS_AFTER_S = 1.0
+"""So long the top runs before it is looked at."""
 
 
 @cache
@@ -104,9 +109,10 @@ def test_a_top_answers_attach(target) -> None:
     wire = Wire("uart.rx", "uart.tx", top.bit_ticks, step)
     with (
         on_line(Running(made, "cxxrtl", pins(target, made)), wire) as serial,
-        on_port(serial.port, BAUD, "metro") as live,
+        UartBus(serial.port, BAUD, WAIT_S) as bus,
     ):
-        told = {each["function"]: each for each in next(readings(live, Fraction(1, 2)))}
+        live = Live(bus, UNIT, lambda _: time.sleep(LOOKS_AFTER_S) is None)
+        told = {each["function"]: each for each in next(readings(live, Fraction(1)))}
     assert {name: each["address"] for name, each in told.items()} == {
         block.name: base for base, block in top.map.blocks.items()
     }
