@@ -109,8 +109,8 @@ def test_a_tool_that_takes_too_long_is_told_and_leaves_nothing(tmp_path) -> None
 @pytest.mark.parametrize(
     ("constraint", "net", "says"),
     [
-        (12.0, "clk", "must place for a clock clk of 16 MHz, not of 12 MHz, of clk$"),
-        (16.0, "other", "must place for a clock clk of 16 MHz, not of 0 MHz, of other$"),
+        (12.0, "clk", r"must place for a clock clk or .* of 16 MHz, not for clk of 12 MHz$"),
+        (16.0, "link_clk", r"a clock clk or .* of 16 MHz, not for link_clk of 16 MHz$"),
     ],
 )
 def test_a_clock_that_was_not_constrained_is_no_clock(constraint, net, says) -> None:
@@ -119,7 +119,7 @@ def test_a_clock_that_was_not_constrained_is_no_clock(constraint, net, says) -> 
         reached(report, {"sync": 16_000_000})
 
 
-@pytest.mark.parametrize("net", ["clk", "$glbnet$clk", "clk_$glb_clk"])
+@pytest.mark.parametrize("net", ["clk", "$glbnet$sync_pll.clk", "clk_$glb_clk"])
 def test_a_clock_is_found_by_whatever_name_a_tool_has_for_it(net) -> None:
     report = {"fmax": {net: {"achieved": 42.5, "constraint": 16.0}}}
     assert reached(report, {"sync": 16_000_000}) == {"sync": 42.5}

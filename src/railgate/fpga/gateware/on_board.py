@@ -12,7 +12,7 @@ from amaranth.lib.wiring import Out
 from railgate.fpga.gateware.clocks import PLLS, Start
 from railgate.fpga.pll import Setting
 
-__all__ = ["OnBoard", "clock_net", "resource"]
+__all__ = ["OnBoard", "clock_nets", "resource"]
 
 
 def resource(path: tuple[str | int, ...]) -> str:
@@ -20,9 +20,9 @@ def resource(path: tuple[str | int, ...]) -> str:
     return "_".join(map(str, path))
 
 
-def clock_net(domain: str) -> str:
-    """The name of a domain's clock in the netlist."""
-    return str(ClockDomain(domain).clk.name)
+def clock_nets(domain: str) -> tuple[str, ...]:
+    """The names that tools may have for a domain's clock, which in the netlist has all of them."""
+    return str(ClockDomain(domain).clk.name), f"{domain}_pll.clk", f"{domain}_pll.clock"
 
 
 class OnBoard(wiring.Component):
