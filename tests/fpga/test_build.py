@@ -1,6 +1,7 @@
 """Bitstreams, by the real tools; what does not fit or is too slow is told, and leaves nothing."""
 
 import json
+import re
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -8,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from railgate.fpga.boards import BOARDS
-from railgate.fpga.build import STEPS, Built, build, reached
-from railgate.fpga.gateware.top import TARGETS
+from railgate.fpga.build import STEPS, Built, build, plan, reached
+from railgate.fpga.gateware.top import TARGETS, Top
 from railgate.fpga.parts import PARTS, Area
 from railgate.fpga.tools import UnplacedError
 from railgate.position_link.spec import Config
@@ -87,6 +88,21 @@ def test_an_impossible_clock_fails_on_each_board(tmp_path, monkeypatch, on, hz) 
     with pytest.raises(UnplacedError, match=says):
         build("position_link", on, unit="fast", folder=tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+PLL = {"ulx3s": "EHXPLLL", "hx8k": "SB_PLL40_CORE", "icebreaker": "SB_PLL40_PAD", "tang": "rPLL"}
+
+
+@pytest.mark.parametrize("on", BOARDS)
+def test_the_tools_are_told_of_all_pins_and_the_pll(on) -> None:
+    pins, files = plan(Top(Unit(), "position_link"), on, None)
+    netlist, constraints = files.values()
+    told = constraints.decode()
+    for pin in pins:
+        for package in pin.package:
+            assert re.search(rf'"?{"_".join(pin.path)}_0__io"?.* "?{package}"?\b', told)
+    (primitive,) = (name for board, name in PLL.items() if on.startswith(board))
+    assert len(re.findall(rf"cell \\{primitive} ", netlist.decode())) == 1
 
 
 def test_a_part_that_is_too_small_is_told_before_it_is_placed(tmp_path, monkeypatch) -> None:

@@ -27,7 +27,7 @@ from railgate.fpga.tools import UnplacedError, nextpnr, pack, version, yosys
 from railgate.unit.config import UNITS
 from railgate.waves import replacing
 
-__all__ = ["STEPS", "Built", "build", "reached"]
+__all__ = ["STEPS", "Built", "build", "plan", "reached"]
 
 STEPS = ("netlist", "synthesis", "place and route", "packing")
 TOP, PLACED, BITSTREAM = "top", "placed", "bitstream"
@@ -111,7 +111,7 @@ def build(
             f"{target} must take at most {its_part.plls} PLL of {its_board.part}, "
             f"not {len(top.clocks)}"
         )
-    wired, files = _plan(top, on, pins)
+    wired, files = plan(top, on, pins)
     with _scratch(folder) as at:
         for name, content in files.items():
             (at / name).write_bytes(content)
@@ -151,8 +151,9 @@ def build(
     return _keep(folder, bitstream, facts)
 
 
-def _plan(top: Top, on: str, pins: Path | None) -> tuple[tuple[Pin, ...], dict[str, bytes]]:
-    """The pins, and the files for the tools: netlist and constraints. Raises ValueError."""
+def plan(top: Top, on: str, pins: Path | None) -> tuple[tuple[Pin, ...], dict[str, bytes]]:
+    """A top's pins on a board, of a file or its own, and what the tools get: netlist, constraints.
+    Raises ValueError."""
     its_board = board(on)
     platform, family = its_board.open(), part(its_board.part).nextpnr
     needed = top.signature
