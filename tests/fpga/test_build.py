@@ -17,7 +17,10 @@ from railgate.position_link.spec import Config
 from railgate.unit.config import UNITS, Unit
 
 CASES = [(target, on) for on in BOARDS for target in TARGETS]
-TWICE = [("fpga_1", "ulx3s-25f"), *(("position_link", on) for on in BOARDS)]
+TWICE = [
+    ("fpga_1", "ulx3s-25f"),
+    *(("position_link", on) for on, each in BOARDS.items() if "position_link" in each.fits),
+]
 
 
 FAST = {"ulx3s-25f": 400_000_000, "icebreaker": 240_000_000, "tang-nano-9k": 240_000_000}

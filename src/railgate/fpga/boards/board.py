@@ -71,7 +71,7 @@ BOARDS: Mapping[str, Board] = {
         module="icebreaker",
         platform="ICEBreakerPlatform",
         loader="iceprog",
-        fits=("position_link",),
+        fits=(),
         pll_pad=True,
     ),
     "tang-nano-9k": Board(
