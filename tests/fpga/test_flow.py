@@ -47,6 +47,10 @@ def test_a_report_without_one_clock_is_refused(clocks) -> None:
         fmax_mhz(told)
 
 
+LEAST_MHZ = {"iCE40-UP5K": 50, "GW1NR-9": 100}
+"""Of a small design; on all other parts 300."""
+
+
 @pytest.mark.parametrize("on", PARTS)
 def test_a_small_design_gets_its_figures_and_its_pins_are_not_in_its_area(tmp_path, on) -> None:
     made = flow(tmp_path, on=on)
@@ -54,7 +58,7 @@ def test_a_small_design_gets_its_figures_and_its_pins_are_not_in_its_area(tmp_pa
     assert taken.inside.ff == 32
     assert taken.whole.ff == 32 + 2 + 2 * 32  # the reset's, and two of each output
     assert 1 <= taken.inside.lut <= 32
-    assert 300 < made.place(1) < 700
+    assert LEAST_MHZ.get(on, 300) < made.place(1) < 700
 
 
 def test_what_is_kept_is_not_made_again(tmp_path) -> None:
@@ -109,5 +113,5 @@ def test_a_tool_that_is_missing_is_told_with_the_remedy(tmp_path, monkeypatch) -
 
 
 def test_a_part_that_is_not_there_is_told() -> None:
-    with pytest.raises(ValueError, match='one of ECP5-25F-6, iCE40-HX8K, not "ECP4"'):
+    with pytest.raises(ValueError, match=r'one of ECP5-25F-6, iCE40-HX8K, .*, not "ECP4"'):
         part("ECP4")

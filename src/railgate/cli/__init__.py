@@ -10,6 +10,7 @@ from rich.console import Console
 from railgate import doctor as checkup
 from railgate.cli import (
     attach,
+    build,
     evidence,
     export,
     fpga,
@@ -35,6 +36,7 @@ simulations.command("odometer")(odometer.simulate_odometer)
 simulations.command("link")(position_link.simulate_link)
 simulations.command("vital")(vital_output.simulate_vital)
 app.command("attach")(attach.attach_)
+app.command("build")(build.build_)
 app.command("registers")(registers.registers_)
 app.command("export")(export.export_)
 app.command("residual")(residual.residual_)

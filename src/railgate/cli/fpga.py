@@ -18,7 +18,8 @@ def report_(
         list[str] | None, typer.Argument(metavar="TARGET", help="Functions or peers; all without.")
     ] = None,
     part: Annotated[
-        list[str] | None, typer.Option(help="ECP5-25F-6 without it, iCE40-HX8K; may be repeated.")
+        list[str] | None,
+        typer.Option(help="ECP5-25F-6 without it; may be repeated."),
     ] = None,
     seeds: Annotated[int, typer.Option(min=1, help="Placements of each, with seeds 1, 2, ….")] = 5,
     limit: Annotated[str, typer.Option(help="The longest time for one of them.")] = "1800s",

@@ -16,7 +16,7 @@ from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.tools import UnplacedError, nextpnr, version, yosys
 from railgate.waves import replacing
 
-__all__ = ["FULL", "Flow", "Netlist", "cells", "fmax_mhz"]
+__all__ = ["FULL", "Flow", "Netlist", "cells", "check_fits", "fmax_mhz", "taken"]
 
 FULL = 0.75
 """The part of a device's LUTs or flip-flops above which nextpnr may not end."""
@@ -69,8 +69,7 @@ class Flow:
         """What it takes. Raises UnplacedError where Yosys fails or takes too long."""
         if not self._folder.exists():
             self._make()
-        counted = cells(_read(self._folder / "cells.json"))
-        areas = {module: _area(found, self._part) for module, found in counted.items()}
+        areas = taken(self._folder / "cells.json", self._part)
         return Netlist(areas[f"{TOP}.{INSIDE}"], sum(areas.values(), Area()))
 
     def place(self, seed: int) -> float:
@@ -78,7 +77,7 @@ class Flow:
 
         Raises UnplacedError where it takes more of the part than FULL, and as `synthesise`.
         """
-        self._check_fits(self.synthesise().whole)
+        check_fits(self._name, self.synthesise().whole, self._on)
         report = self._folder / f"seed-{seed}.json"
         if not report.exists():
             with replacing(report) as new:
@@ -100,14 +99,21 @@ class Flow:
         except OSError as error:
             raise ValueError(f"{self._folder} cannot be written: {error.strerror}") from None
 
-    def _check_fits(self, whole: Area) -> None:
-        has, takes = asdict(self._part.has), asdict(whole)
-        for what in ("lut", "ff"):
-            if takes[what] > FULL * has[what]:
-                raise UnplacedError(
-                    f"{self._name} must take at most {FULL:.0%} of the {has[what]} {what.upper()} "
-                    f"of {self._on}, not {takes[what]} ({takes[what] / has[what]:.0%})"
-                )
+
+def check_fits(name: str, whole: Area, on: str) -> None:
+    """Raises UnplacedError where a netlist takes more of a part, by its name, than FULL."""
+    has, takes = asdict(part(on).has), asdict(whole)
+    for what in ("lut", "ff"):
+        if takes[what] > FULL * has[what]:
+            raise UnplacedError(
+                f"{name} must take at most {FULL:.0%} of the {has[what]} {what.upper()} "
+                f"of {on}, not {takes[what]} ({takes[what] / has[what]:.0%})"
+            )
+
+
+def taken(statistics: Path, of: Part) -> dict[str, Area]:
+    """What each module of a netlist takes, of a file of Yosys's `stat -json`. Raises ValueError."""
+    return {name: _area(found, of) for name, found in cells(_read(statistics)).items()}
 
 
 def cells(statistics: Mapping[str, Any]) -> dict[str, Counter[str]]:

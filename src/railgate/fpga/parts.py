@@ -32,12 +32,13 @@ class Area:
 class Part:
     """One device of one speed grade.
 
-    has: all of it. synthesis: Yosys's command for its family. nextpnr: the tool's architecture, by
-    which its package and its program are called. options: the tool's, of this device. takes: what
-    each cell of a netlist takes.
+    has: all of it. plls: how many of these. synthesis: Yosys's command for its family. nextpnr: the
+    tool's architecture, by which its package and its program are called. options: the tool's, of
+    this device. takes: what each cell of a netlist takes.
     """
 
     has: Area
+    plls: int
     synthesis: str
     nextpnr: str
     options: tuple[str, ...]
@@ -56,6 +57,7 @@ _ECP5 = {
     "DP16KD": RAM,
     "PDPW16KD": RAM,
     "MULT18X18D": DSP,
+    **dict.fromkeys(("IB", "OB", "OBZ", "BB", "TRELLIS_IO", "EHXPLLL"), FREE),
 }
 
 _ICE40 = {
@@ -63,6 +65,17 @@ _ICE40 = {
     "SB_CARRY": FREE,  # in the logic cell of the table that it feeds
     "SB_RAM40_4K": RAM,
     **{f"SB_DFF{e}{r}": FF for e in ("", "E") for r in ("", "R", "S", "SR", "SS")},
+    **dict.fromkeys(("SB_IO", "SB_GB_IO", "SB_GB", "SB_PLL40_CORE", "SB_PLL40_PAD"), FREE),
+}
+
+_GOWIN = {
+    **{f"LUT{inputs}": LUT for inputs in range(1, 5)},
+    "ALU": LUT,
+    **{f"MUX2_LUT{inputs}": FREE for inputs in range(5, 9)},
+    "RAM16SDP4": LUT * 4,
+    **{f"DFF{r}{e}": FF for e in ("", "E") for r in ("", "R", "S", "P", "C")},
+    **dict.fromkeys(("SP", "SPX9", "SDPB", "SDPX9B", "DPB", "DPX9B"), RAM),
+    **dict.fromkeys(("IBUF", "OBUF", "TBUF", "IOBUF", "rPLL", "GND", "VCC"), FREE),
 }
 
 REFERENCE = "ECP5-25F-6"
@@ -71,6 +84,7 @@ REFERENCE = "ECP5-25F-6"
 PARTS: Mapping[str, Part] = {
     REFERENCE: Part(
         has=Area(lut=24_288, ff=24_288, ram=56, dsp=28),
+        plls=2,
         synthesis="synth_ecp5",
         nextpnr="ecp5",
         options=("--25k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
@@ -78,10 +92,35 @@ PARTS: Mapping[str, Part] = {
     ),
     "iCE40-HX8K": Part(
         has=Area(lut=7_680, ff=7_680, ram=32),
+        plls=2,
         synthesis="synth_ice40",
         nextpnr="ice40",
         options=("--hx8k", "--package", "ct256", "--pcf-allow-unconstrained"),
         takes=_ICE40,
+    ),
+    "ECP5-85F-6": Part(
+        has=Area(lut=83_640, ff=83_640, ram=208, dsp=156),
+        plls=4,
+        synthesis="synth_ecp5",
+        nextpnr="ecp5",
+        options=("--85k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"),
+        takes=_ECP5,
+    ),
+    "iCE40-UP5K": Part(
+        has=Area(lut=5_280, ff=5_280, ram=30, dsp=8),
+        plls=1,
+        synthesis="synth_ice40",
+        nextpnr="ice40",
+        options=("--up5k", "--package", "sg48", "--pcf-allow-unconstrained"),
+        takes=_ICE40,
+    ),
+    "GW1NR-9": Part(
+        has=Area(lut=8_640, ff=6_480, ram=26, dsp=20),
+        plls=2,
+        synthesis="synth_gowin",
+        nextpnr="himbaechel-gowin",
+        options=("--device", "GW1NR-LV9QN88PC6/I5", "--vopt", "family=GW1N-9C"),
+        takes=_GOWIN,
     ),
 }
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from railgate.odometer.plant import Sensor
+from railgate.toml_file import MisplacedError, parse_toml, read_text
 from railgate.unit.application import Rule
 from railgate.unit.faults import Fault
 from railgate.unit.route import Route, Side, Stop
@@ -25,11 +24,6 @@ __all__ = ["builtin", "builtins", "parse_scenario", "read_scenario"]
 
 Reader = Callable[[object], Any]
 """Makes of what the file says of a key what a scenario needs. Raises ValueError."""
-Place = tuple[str, int, str]
-"""Where a key stands: its table, which one of an array of tables, its name."""
-
-HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
-KEY = re.compile(r"\s*([\w-]+)\s*=")
 
 
 def builtins() -> tuple[str, ...]:
@@ -50,13 +44,7 @@ def builtin(name: str) -> Scenario:
 
 def read_scenario(path: str | Path) -> Scenario:
     """The scenario in a TOML file. Raises ValueError, in one line with the place in the file."""
-    try:
-        text = Path(path).read_text("utf-8")
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror or error}") from error
-    except ValueError as error:
-        raise ValueError(f"{path}: a scenario must be text in UTF-8") from error
-    return parse_scenario(text, str(path))
+    return parse_scenario(read_text(path, "a scenario"), str(path))
 
 
 def parse_scenario(text: str, name: str) -> Scenario:
@@ -64,49 +52,7 @@ def parse_scenario(text: str, name: str) -> Scenario:
 
     Raises ValueError, in one line with the line of what is wrong.
     """
-    try:
-        document = tomllib.loads(text, parse_float=Decimal)
-        return _scenario(document)
-    except _MisplacedError as error:
-        line = _line(text, error.place)
-        raise ValueError(f"{name}:{line}: {_printable(error)}") from error
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"{name}: {_printable(error)}") from error
-
-
-class _MisplacedError(ValueError):
-    """What is wrong with one key or table."""
-
-    def __init__(self, place: Place, reason: str) -> None:
-        super().__init__(reason)
-        self.place = place
-
-
-def _printable(error: Exception) -> str:
-    """One line; names in a file may hold a terminal's control sequences."""
-    told = " ".join(str(error).split())[:500]
-    return "".join(c if c.isprintable() else "?" for c in told)
-
-
-def _line(text: str, place: Place) -> int:
-    """The line of a key; of its table's header where it has none."""
-    table, number, key = "", 0, ""
-    counts: dict[str, int] = {}
-    nearest = 1
-    for line, content in enumerate(text.splitlines(), 1):
-        if header := HEADER.match(content):
-            table = header[2]
-            counts[table] = number = counts.get(table, -1) + 1
-            key = ""
-        elif found := KEY.match(content):
-            key = found[1]
-        else:
-            continue
-        if (table, number) == place[:2] or (table, place[0]) == ("", ""):
-            if key == place[2]:
-                return line
-            nearest = line if not key else nearest
-    return nearest
+    return parse_toml(text, name, _scenario)
 
 
 def _number(value: object) -> Fraction:
@@ -197,26 +143,26 @@ ARRAYS = {"stop": STOP, "fault": FAULT}
 
 
 def _read(kind: _Table, given: object, table: str, number: int = 0) -> Any:
-    """What a table makes. Raises _MisplacedError."""
+    """What a table makes. Raises MisplacedError."""
     if not isinstance(given, dict):
-        raise _MisplacedError((table, 0, ""), f"{table} must be a table, not {given}")
+        raise MisplacedError((table, 0, ""), f"{table} must be a table, not {given}")
     entries = {}
     for key, value in given.items():
         place = (table, number, key)
         if key not in kind.keys:
             known = ", ".join((*kind.keys, *(TABLES | ARRAYS if not table else ())))
-            raise _MisplacedError(place, f'no key "{key}" is known; there are: {known}')
+            raise MisplacedError(place, f'no key "{key}" is known; there are: {known}')
         try:
             entries[key] = kind.keys[key](value)
         except ValueError as error:
-            raise _MisplacedError(place, f"{key}: {error}") from error
+            raise MisplacedError(place, f"{key}: {error}") from error
     for key in kind.required:
         if key not in entries:
-            raise _MisplacedError((table, number, ""), f"the key {key} is missing")
+            raise MisplacedError((table, number, ""), f"the key {key} is missing")
     try:
         return kind.make(**entries)
     except ValueError as error:
-        raise _MisplacedError((table, number, _guilty(entries, error)), str(error)) from error
+        raise MisplacedError((table, number, _guilty(entries, error)), str(error)) from error
 
 
 def _guilty(entries: Mapping[str, Any], error: ValueError) -> str:
@@ -226,7 +172,7 @@ def _guilty(entries: Mapping[str, Any], error: ValueError) -> str:
 
 def _array(kind: _Table, given: object, table: str) -> Iterator[Any]:
     if not isinstance(given, list):
-        raise _MisplacedError((table, 0, ""), f"{table} must be an array of tables, [[{table}]]")
+        raise MisplacedError((table, 0, ""), f"{table} must be an array of tables, [[{table}]]")
     for number, each in enumerate(given):
         yield _read(kind, each, table, number)
 
@@ -244,7 +190,7 @@ def _scenario(document: dict[str, Any]) -> Scenario:
     except ValueError as error:
         key = _guilty(train, error)
         place = ("train", 0, key) if key else ("stop", max(len(stops) - 1, 0), "")
-        raise _MisplacedError(place, str(error)) from error
+        raise MisplacedError(place, str(error)) from error
     begun = Scenario(route=route, **entries, **read)
     return replace(begun, faults=_faults(begun, faults))
 
@@ -258,7 +204,7 @@ def _faults(scenario: Scenario, given: tuple[dict[str, Any], ...]) -> tuple[Faul
             replace(scenario, faults=tuple(found))
         except ValueError as error:
             place = ("fault", number, _guilty(each, error))
-            raise _MisplacedError(place, str(error)) from error
+            raise MisplacedError(place, str(error)) from error
     return tuple(found)
 
 

@@ -36,8 +36,7 @@ BIT_TICKS = 8
 BAUD = UNIT.odometer.clock_hz // BIT_TICKS
 FRAME_BITS = 10
 BYTES = 40
-SPAN = BYTES * BIT_TICKS * FRAME_BITS
-"""Ticks that the board runs at a time, for so many bytes."""
+"""That the board takes at a time."""
 SECONDS = 30
 """Of the board's pins: for many tests."""
 REST_S = 0.002
@@ -102,29 +101,40 @@ def design() -> Design:
     return Design(name="desk", component=Desk, clocks=(clock,))
 
 
-def sent(data: bytes) -> list[int]:
+@dataclass(frozen=True)
+class Wire:
+    """A design's serial line: its pins, ticks of its clock a bit, the design's ticks to one."""
+
+    rx: str = "rx"
+    tx: str = "tx"
+    bit_ticks: int = BIT_TICKS
+    step: int = 1
+
+
+def sent(data: bytes, bit_ticks: int = BIT_TICKS) -> list[int]:
     """The levels of bytes on the line, one a tick."""
     bits = [level for byte in data for level in (0, *(byte >> n & 1 for n in range(8)), 1)]
-    return [level for level in bits for _ in range(BIT_TICKS)]
+    return [level for level in bits for _ in range(bit_ticks)]
 
 
 class Ear:
     """Takes bytes off the line."""
 
-    def __init__(self) -> None:
+    def __init__(self, bit_ticks: int = BIT_TICKS) -> None:
         self._levels = np.empty(0, np.uint8)
+        self._bit_ticks = bit_ticks
 
     def hear(self, levels: np.ndarray) -> bytes:
         """Those that are whole with these further levels, one a tick."""
         self._levels, found = np.append(self._levels, levels), bytearray()
         while (low := np.flatnonzero(self._levels == 0)).size:
             self._levels = self._levels[low[0] :]
-            if self._levels.size < FRAME_BITS * BIT_TICKS:
+            if self._levels.size < FRAME_BITS * self._bit_ticks:
                 return bytes(found)
-            middles = self._levels[BIT_TICKS // 2 :: BIT_TICKS][:FRAME_BITS]
+            middles = self._levels[self._bit_ticks // 2 :: self._bit_ticks][:FRAME_BITS]
             assert middles[-1] == 1, "a stop bit"
             found.append(int(np.packbits(middles[1:9], bitorder="little")[0]))
-            self._levels = self._levels[(FRAME_BITS - 1) * BIT_TICKS + BIT_TICKS // 2 :]
+            self._levels = self._levels[(FRAME_BITS - 1) * self._bit_ticks + self._bit_ticks // 2 :]
         self._levels = self._levels[:0]
         return bytes(found)
 
@@ -149,11 +159,17 @@ class Line:
 @contextmanager
 def on_desk(speed_kmh: float = 200, make: Callable[[], Design] = design) -> Iterator[Line]:
     """A board that runs by itself as long as the context lasts, or its pins."""
-    running = Running(make(), "cxxrtl", pins(speed_kmh))
+    with on_line(Running(make(), "cxxrtl", pins(speed_kmh)), Wire()) as line:
+        yield line
+
+
+@contextmanager
+def on_line(running: Running, wire: Wire) -> Iterator[Line]:
+    """As `on_desk`, of whatever runs."""
     board, host = pty.openpty()
     tty.setraw(host)
     line, off = Line(os.ttyname(host)), threading.Event()
-    thread = threading.Thread(target=_run, args=(running, board, line, off))
+    thread = threading.Thread(target=_run, args=(running, wire, board, line, off))
     thread.start()
     try:
         yield line
@@ -164,20 +180,22 @@ def on_desk(speed_kmh: float = 200, make: Callable[[], Design] = design) -> Iter
         os.close(host)
 
 
-def _run(running: Running, board: int, line: Line, off: threading.Event) -> None:
+def _run(running: Running, wire: Wire, board: int, line: Line, off: threading.Event) -> None:
     """Carry bytes between the pseudo-terminal and the pins."""
-    ear = Ear()
+    ear = Ear(wire.bit_ticks)
     waiting = b""
+    span = BYTES * wire.bit_ticks * FRAME_BITS
     while not off.is_set():
         if select.select([board], [], [], 0)[0]:
             waiting += line.to_board(os.read(board, 1024))
         now, waiting = waiting[:BYTES], waiting[BYTES:]
         start = running.now
-        told = running.run({"rx": (1, [*sent(now), 1])}, SPAN, ["tx"])
-        heard = ear.hear(told["tx"].at(np.arange(start, running.now)))
+        levels = [*sent(now, wire.bit_ticks), 1]
+        told = running.run({wire.rx: (1, levels)}, span, [wire.tx])
+        heard = ear.hear(told[wire.tx].at(np.arange(start, running.now, wire.step)))
         if heard and (told_back := line.to_host(heard)):
             os.write(board, told_back)
-        if not now and told["tx"].values.all():
+        if not now and told[wire.tx].values.all():
             time.sleep(REST_S)
 
 

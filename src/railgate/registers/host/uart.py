@@ -18,7 +18,7 @@ import serial
 from railgate.registers.host.bus import AccessError, NoAnswerError, addresses
 from railgate.registers.register import WORD_BYTES
 
-__all__ = ["UartBus"]
+__all__ = ["UartBus", "framed"]
 
 END, ESCAPE = b"\xc0", b"\xdb"
 ESCAPED = ((ESCAPE, b"\xdb\xdd"), (END, b"\xdb\xdc"))
@@ -83,7 +83,8 @@ class UartBus:
     ) -> tuple[int, int, list[int]]:
         """Status, count and words of the answer to one request. Raises NoAnswerError."""
         self._number = (self._number + 1) % NUMBERS
-        request = _frame(pack("<HBBI", self._number, operation, count, address), words)
+        head = pack("<HBBI", self._number, operation, count, address)
+        request = framed(head + pack(f"<{len(words)}I", *words))
         longest = len(request) + 2 * WORD_BYTES * (count + AROUND)
         heard = False
         for _ in range(self._tries):
@@ -131,9 +132,8 @@ class UartBus:
         self.close()
 
 
-def _frame(head: bytes, words: Sequence[int]) -> bytes:
-    """A request as it is sent."""
-    body = head + pack(f"<{len(words)}I", *words)
+def framed(body: bytes) -> bytes:
+    """Whole words as they are sent: with their CRC, between two END."""
     body += pack("<I", crc32(body))
     for plain, code in ESCAPED:
         body = body.replace(plain, code)

@@ -76,7 +76,12 @@ class Uart(wiring.Component):
         fits = (asked.count != 0) & (asked.count <= self._words)
         end = (address >> INDEX_FROM) + asked.count
         inside = (address[:INDEX_FROM] == 0) & (end <= 1 << len(request.p.address) - INDEX_FROM)
-        whole = frames.index == Mux(writes, asked.count, 0) + AROUND
+        # Long sums, in registers: a request's words stand still while its frame's END is received.
+        whole, accesses = Signal(), Signal()
+        m.d.sync += [
+            whole.eq(frames.index == Mux(writes, asked.count, 0) + AROUND),
+            accesses.eq(fits & inside & (reads | writes)),
+        ]
         again = any_yet & (frames.word == check)
         at = Signal(range(self._words + 1))  # which of the request's or the answer's words
         m.d.comb += [
@@ -106,7 +111,7 @@ class Uart(wiring.Component):
                     ]
                     with m.If(whole & hello):
                         m.d.sync += [answer.status.eq(Status.DONE), answer.count.eq(self._words)]
-                    with m.If(whole & fits & inside & (reads | writes)):
+                    with m.If(whole & accesses):
                         m.d.sync += answer.status.eq(Status.DONE)
                         m.next = "FETCHES"
             with m.State("FETCHES"):
