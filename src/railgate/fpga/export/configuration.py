@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import MISSING, fields, is_dataclass
 from decimal import Decimal
 from enum import IntEnum
@@ -10,6 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin, get_type_hints
+
+from railgate.toml_file import parse_toml, read_text
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -28,20 +29,8 @@ WHAT = {
 
 def read_configuration(kind: type[Kind], path: Path) -> Kind:
     """Of that kind, with defaults for what the file leaves out. Raises ValueError, in one line."""
-    try:
-        text = path.read_text("utf-8")
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror or error}") from None
-    except ValueError:
-        raise ValueError(f"{path}: a configuration must be text in UTF-8") from None
-    try:
-        return _made(kind, tomllib.loads(text, parse_float=Decimal))
-    except (ValueError, RecursionError) as error:
-        told = " ".join(str(error).split())[:500]
-        # Names in a file may hold a terminal's control sequences.
-        raise ValueError(
-            f"{path}: {''.join(c if c.isprintable() else '?' for c in told)}"
-        ) from None
+    text = read_text(path, "a configuration")
+    return parse_toml(text, str(path), lambda table: _made(kind, table))
 
 
 def _made(kind: type[Any], table: dict[str, Any]) -> Any:
