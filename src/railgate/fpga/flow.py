@@ -53,11 +53,12 @@ class Flow:
 
     rtlil: from gateware.netlist. kept: the folder that keeps what tools made, in a folder for each
     design, part and version of the tools: nothing is made twice, also after an interruption.
-    limit_s: the longest time for one call of a tool. Raises ValueError where a tool is missing.
+    limit_s: the longest time for one call of a tool. Raises ValueError where a tool is missing, or
+    where a part needs pins.
     """
 
     def __init__(self, name: str, rtlil: str, on: str, kept: Path, limit_s: float) -> None:
-        self._name, self._on, self._part = name, on, part(on)
+        self._name, self._on, self._part = name, on, part(on, free_pins=True)
         self._rtlil = rtlil
         self._limit_s = limit_s
         flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options

@@ -34,7 +34,8 @@ class Part:
 
     has: all of it. plls: how many of these. synthesis: Yosys's command for its family. nextpnr: the
     tool's architecture, by which its package and its program are called. options: the tool's, of
-    this device. takes: what each cell of a netlist takes.
+    this device. takes: what each cell of a netlist takes. free_pins: the tool places ports that no
+    constraint names.
     """
 
     has: Area
@@ -43,6 +44,7 @@ class Part:
     nextpnr: str
     options: tuple[str, ...]
     takes: Mapping[str, Area]
+    free_pins: bool = True
 
 
 LUT, FF, RAM, DSP, FREE = Area(lut=1), Area(ff=1), Area(ram=1), Area(dsp=1), Area()
@@ -121,12 +123,14 @@ PARTS: Mapping[str, Part] = {
         nextpnr="himbaechel-gowin",
         options=("--device", "GW1NR-LV9QN88PC6/I5", "--vopt", "family=GW1N-9C"),
         takes=_GOWIN,
+        free_pins=False,
     ),
 }
 
 
-def part(name: str) -> Part:
-    """By its name. Raises ValueError."""
-    if name not in PARTS:
-        raise ValueError(f'a part must be one of {", ".join(PARTS)}, not "{name}"')
+def part(name: str, *, free_pins: bool = False) -> Part:
+    """By its name. free_pins: it is one on which ports need no pins. Raises ValueError."""
+    there = [each for each, part in PARTS.items() if part.free_pins or not free_pins]
+    if name not in there:
+        raise ValueError(f'a part must be one of {", ".join(there)}, not "{name}"')
     return PARTS[name]

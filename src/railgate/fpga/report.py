@@ -95,7 +95,7 @@ def report(
     seed. A target that cannot be placed has its row all the same. Raises ValueError.
     """
     for name in parts:
-        part(name)
+        part(name, free_pins=True)
     rows: list[Row] = []
     for on, (name, target) in product(parts, targets.items()):
         rows.append(Row(name, on, target.goal if on == REFERENCE else None))
