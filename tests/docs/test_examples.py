@@ -110,5 +110,5 @@ def test_every_command_on_a_page_is_an_example() -> None:
     """But setting up, which these tests run in the result of."""
     for page in PAGES:
         blocks = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
-        assert {language for language, _ in blocks} <= {"python", "console", "sh"}
+        assert {language for language, _ in blocks} <= {"python", "console", "sh", "toml"}
         assert all(text == "make setup\n" for language, text in blocks if language == "sh")
