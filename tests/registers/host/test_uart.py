@@ -56,6 +56,20 @@ def flipping(seed: int, part: float) -> Noise:
     )
 
 
+class Whole:
+    """What comes of whole answers, of which the line brings pieces."""
+
+    def __init__(self, make: Callable[[bytes], bytes]) -> None:
+        self._make, self._piece = make, b""
+
+    def __call__(self, data: bytes) -> bytes:
+        self._piece += data
+        if self._piece.count(END) < 2:
+            return b""
+        whole, self._piece = self._piece, b""
+        return self._make(whole)
+
+
 @pytest.mark.shows("SYS-1", "SYS-5")
 def test_every_function_is_read_over_the_line(board) -> None:
     for device in (board.odometer, board.link):
@@ -75,7 +89,7 @@ def test_every_function_is_read_over_the_line(board) -> None:
 @pytest.mark.parametrize(
     ("to_board", "to_host"),
     [
-        (losing(1, 0), losing(1, 0.25)),
+        (losing(1, 0), Whole(losing(1, 0.25))),
         (losing(2, 0.25), losing(2, 0)),
         (flipping(3, 0.002), flipping(4, 0.002)),
     ],
@@ -90,20 +104,6 @@ def test_what_the_line_loses_loses_no_pulse_and_gates_once(
     shots = [board.odometer.snapshots()[0] for _ in range(12)]
     assert [shot.number - before.number for shot in shots] == list(range(1, 13))
     assert sum(shot.pulses for shot in shots) == shots[-1].a_rising - before.a_rising > 0
-
-
-class Whole:
-    """What comes of whole answers, of which the line brings pieces."""
-
-    def __init__(self, make: Callable[[bytes], bytes]) -> None:
-        self._make, self._piece = make, b""
-
-    def __call__(self, data: bytes) -> bytes:
-        self._piece += data
-        if self._piece.count(END) < 2:
-            return b""
-        whole, self._piece = self._piece, b""
-        return self._make(whole)
 
 
 class Spoiler:
