@@ -11,8 +11,9 @@ import subprocess
 from pathlib import Path
 
 from railgate.engines import Design
+from railgate.engines.border import flat
 from railgate.engines.compiler import cached, compile_shared, yosys
-from railgate.engines.cxxrtl import clock_port, flat, netlist, run_loop
+from railgate.engines.cxxrtl import clock_port, netlist, run_loop
 from railgate.engines.native import Native
 from railgate.engines.signals import Port
 
@@ -138,7 +139,7 @@ class Verilated(Native):
 
 def _listed(ports: list[Port]) -> str:
     """X(index, member, offset) for each port."""
-    members = enumerate((_member(flat(port)), port.offset) for port in ports)
+    members = enumerate((_member(flat(port.path)), port.offset) for port in ports)
     return " ".join(f"X({i}, {name}, {offset})" for i, (name, offset) in members)
 
 

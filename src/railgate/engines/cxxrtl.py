@@ -8,10 +8,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from amaranth.back import rtlil
-from amaranth.hdl import ClockDomain, Fragment, Signal, Value
-from amaranth.hdl._ir import PortDirection
-from amaranth.lib.wiring import Out
 
+from railgate.engines.border import bordered, flat
 from railgate.engines.compiler import cached, compile_shared, cxxrtl_include, yosys
 from railgate.engines.design import Clock, Design
 from railgate.engines.native import Native
@@ -58,25 +56,10 @@ def netlist(design: Design) -> tuple[tuple[Port, ...], dict[str, Register], str]
     All are the same in every process.
     """
     component = design.component()
-    fragment = Fragment.get(component, None)
+    prepared = bordered(component)
     signals = ports(component, design.clocks)
-    border = {
-        "__".join(map(str, path)): (
-            Value.cast(value),
-            PortDirection.Output if member.flow == Out else PortDirection.Input,
-        )
-        for path, member, value in component.signature.flatten(component)
-    }
-    prepared = fragment.prepare(ports=border, missing_domain=_domain)
     text, _ = rtlil.convert_fragment(prepared, emit_src=False)
     return signals, {found.written: found.register for found in registers(prepared, 1)}, text
-
-
-def _domain(name: str) -> ClockDomain:
-    """A domain whose clock has its name, so that a member may be called `clk`."""
-    domain = ClockDomain(name)
-    domain.clk = Signal(name=f"{name}_clk")
-    return domain
 
 
 def run_loop() -> str:
@@ -110,7 +93,7 @@ constexpr bool kSingle = {int(design.single)}, kSettle = {int(settle)};
 
 def _listed(signals: Sequence[Port], there: Sequence[str]) -> str:
     """X(index, member, offset) for each of the signals that Yosys kept."""
-    members = [(_member(flat(port)), port.offset) for port in signals]
+    members = [(_member(flat(port.path)), port.offset) for port in signals]
     return " ".join(
         f"X({i}, {name}, {offset})" for i, (name, offset) in enumerate(members) if name in there
     )
@@ -120,7 +103,7 @@ def _check_clocks(
     design: Design, clocks: Sequence[str], inputs: Sequence[Port], generated: str
 ) -> None:
     """Raises ValueError unless every edge in the design is a rising one of its own clocks."""
-    known = {_member(name) for name in (*clocks, *map(flat, inputs))}
+    known = {_member(name) for name in (*clocks, *(flat(port.path) for port in inputs))}
     known |= {f"posedge_{_member(clock)}" for clock in clocks}
     found = re.findall(r"/\*input\*/ \w+<\d+> (\w+);", generated)
     found += re.findall(r"bool ((?:pos|neg)edge_\w+)\(\)", generated)
@@ -135,11 +118,6 @@ def _check_clocks(
 def clock_port(clock: Clock) -> str:
     """The name of a clock's port."""
     return f"{clock.domain}_clk"
-
-
-def flat(port: Port) -> str:
-    """The name that Amaranth gives to a port's member: `sensor__0__a`."""
-    return "__".join(str(part) for part in port.path)
 
 
 def _member(name: str) -> str:

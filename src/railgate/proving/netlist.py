@@ -7,6 +7,7 @@ from amaranth.hdl import Assert, Assume, Cover, Fragment, Module, Value
 from amaranth.hdl._ir import PortDirection
 from amaranth.lib.wiring import In
 
+from railgate.engines.border import flat
 from railgate.proving.monitor import Monitor
 
 __all__ = ["netlist"]
@@ -24,7 +25,7 @@ def netlist(monitor: Monitor, *, helped: bool) -> str:
     if helped:
         m.d.comb += [Assert(getattr(monitor.lemma, name)) for name in monitor.lemmas]
     ports = {
-        "__".join(map(str, path)): (Value.cast(value), PortDirection.Input)
+        flat(path): (Value.cast(value), PortDirection.Input)
         for path, member, value in monitor.signature.flatten(monitor)
         if member.flow == In
     }

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from railgate.engines.border import flat
 from railgate.engines.signals import Port
 from railgate.proving.claim import TICK
 from railgate.proving.tools import Tools
@@ -138,7 +139,7 @@ def _stimulus(witness: Path, inputs: Sequence[Port]) -> Trace:
         place += signal["width"]
     waves = {}
     for port in inputs:
-        first, width = places.get("\\" + "__".join(map(str, port.path)), (0, 0))
+        first, width = places.get("\\" + flat(port.path), (0, 0))
         values = [
             int(bits[len(bits) - first - width : len(bits) - first] or "0", 2) for bits in steps
         ]

@@ -10,7 +10,7 @@ from typing import Any
 from amaranth.hdl import Value
 from amaranth.lib.wiring import In
 
-from railgate.engines.cxxrtl import flat
+from railgate.engines.border import flat
 from railgate.fpga.export.targets import Core
 from railgate.fpga.export.vectors import Vectors
 
@@ -38,12 +38,12 @@ class Port:
 
 def bench(core: Core, vectors: Vectors, verilog: str) -> dict[str, Any]:
     """What the template bench.sv is filled with, for the core as this Verilog."""
-    told = {flat(port): port for port in vectors.signals}
+    told = {flat(port.path): port for port in vectors.signals}
     ports = list(_ports(core, verilog, told))
     names = {port.name: port for port in ports}
     signals = []
     for port in vectors.signals:
-        of = names[flat(port)]
+        of = names[flat(port.path)]
         part = "" if of.width == port.width else f"[{port.offset} +: {port.width}]"
         side = "must" if port.output else "in"
         signals.append({"target": f"{side}_{of.name}{part}", "width": port.width})
@@ -64,11 +64,8 @@ def _ports(core: Core, verilog: str, told: Collection[str]) -> Iterator[Port]:
     yield Port("rst", "rst", 1, False)
     reserved = set(re.findall(r"^  (?:in|out)put .*\\(\w+) ;$", verilog, re.M))
     for path, member, value in core.component.signature.flatten(core.component):
-        name = "__".join(map(str, path))
+        name = flat(path)
         escaped = f"\\{name} " if name in reserved else name
-        rests = 0 if name in told else Value.cast(value).init & _mask(value)
-        yield Port(name, escaped, len(Value.cast(value)), member.flow != In, rests)
-
-
-def _mask(value: Any) -> int:
-    return (1 << len(Value.cast(value))) - 1
+        signal = Value.cast(value)
+        rests = 0 if name in told else signal.init & (1 << len(signal)) - 1
+        yield Port(name, escaped, len(signal), member.flow != In, rests)

@@ -72,9 +72,9 @@ def _lpf(of: Constrained) -> Iterator[str]:
         yield f'MAXDELAY FROM CLKNET "{source}" TO CLKNET "{sink}" {of.period_ns(sink)} NS;'
 
 
-CONSTRAINTS: Mapping[str, tuple[str, Callable[[Constrained], Iterator[str]]]] = {
-    "sdc": ("#", _sdc),
-    "xdc": ("#", _xdc),
-    "lpf": ("#", _lpf),
+CONSTRAINTS: Mapping[str, Callable[[Constrained], Iterator[str]]] = {
+    "sdc": _sdc,
+    "xdc": _xdc,
+    "lpf": _lpf,
 }
-"""By the file's suffix: how a comment begins, and the lines."""
+"""By the file's suffix, its lines; all have comments that begin with #."""

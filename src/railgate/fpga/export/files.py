@@ -6,20 +6,20 @@ import shutil
 from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railgate.fpga.export.bench import bench
 from railgate.fpga.export.borders import Borders, borders
-from railgate.fpga.export.buses import BUSES, NONE
+from railgate.fpga.export.buses import NONE
 from railgate.fpga.export.constraints import CONSTRAINTS, Constrained
 from railgate.fpga.export.header import described, heading
 from railgate.fpga.export.netlist import netlist
 from railgate.fpga.export.targets import Core
 from railgate.fpga.export.vectors import vectors
 from railgate.fpga.export.verilog import translate
+from railgate.fpga.scratch import scratch
 from railgate.registers.export import c_header, html, systemrdl
 
 __all__ = ["FORMATS", "export"]
@@ -44,13 +44,9 @@ def export(core: Core, format: str, folder: Path) -> list[Path]:
     """
     if format not in FORMATS:
         raise ValueError(f'format must be one of {", ".join(FORMATS)}, not "{format}"')
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=folder, prefix=".export-") as name:
-            FORMATS[format](core, Path(name))
-            return [_moved(made, folder / made.name) for made in sorted(Path(name).iterdir())]
-    except OSError as error:
-        raise ValueError(f"{folder} cannot be written: {error.strerror}") from None
+    with scratch(folder, "export") as at:
+        FORMATS[format](core, at)
+        return [_moved(made, folder / made.name) for made in sorted(at.iterdir())]
 
 
 def _moved(made: Path, to: Path) -> Path:
@@ -76,11 +72,10 @@ def _verilog(core: Core, folder: Path) -> str:
 
 
 def _constraints(core: Core, found: Borders) -> dict[str, str]:
-    still = () if core.bus == NONE else BUSES[core.bus].still
-    of = Constrained({f"{domain}_clk": hz for domain, hz in core.hz.items()}, found, still)
+    of = Constrained({f"{domain}_clk": hz for domain, hz in core.hz.items()}, found, core.still)
     return {
-        suffix: "\n".join((_comment(mark, heading(core)), *lines(of))) + "\n"
-        for suffix, (mark, lines) in CONSTRAINTS.items()
+        suffix: "\n".join((_comment("#", heading(core)), *lines(of))) + "\n"
+        for suffix, lines in CONSTRAINTS.items()
     }
 
 

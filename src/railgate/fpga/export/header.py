@@ -9,8 +9,8 @@ from importlib.metadata import version
 from textwrap import wrap
 
 from railgate.digest import digest
+from railgate.engines.border import flat
 from railgate.fpga.export.borders import Borders
-from railgate.fpga.export.buses import BUSES, NONE
 from railgate.fpga.export.targets import Core
 
 __all__ = ["described", "heading"]
@@ -49,7 +49,6 @@ def described(core: Core, borders: Borders) -> list[str]:
 
 
 def _ports(core: Core, borders: Borders) -> Iterator[str]:
-    still = () if core.bus == NONE else BUSES[core.bus].still
     meanings = {
         field.name: field.meaning + (f", {field.unit}" if field.unit else "")
         for config in core.configurations.values()
@@ -60,11 +59,11 @@ def _ports(core: Core, borders: Borders) -> Iterator[str]:
         yield f"{domain}_clk: in, 1, rising edge, {hz} Hz"
         yield f"{_reset(domain)}: in, 1, {domain}_clk, synchronous, active high"
     for path, member, _ in core.component.signature.flatten(core.component):
-        name = "__".join(map(str, path))
+        name = flat(path)
         clock = ", ".join(borders.clocks[name])
         if name in borders.synchronised:
             clock = "asynchronous"
-        elif name in still:
+        elif name in core.still:
             clock = "asynchronous, stands still while it is read"
         parts = [member.flow.name.lower(), str(borders.widths[name]), clock or "none"]
         if (meaning := meanings.get(str(path[-1]))) is not None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from amaranth.back import rtlil
-from amaranth.hdl import ClockDomain, Fragment, Module, Signal, Value
-from amaranth.hdl._ir import PortDirection
+from amaranth.hdl import Module, Signal
 from amaranth.lib import cdc, wiring
-from amaranth.lib.wiring import Out
+
+from railgate.engines.border import bordered
 
 __all__ = ["MARK", "netlist"]
 
@@ -41,27 +41,11 @@ class Marking:
 def netlist(component: wiring.Component, name: str) -> str:
     """RTLIL whose top module is called `name`, the same in every process.
 
-    A member of the signature is a port, its path joined by `__`, as `sensor__0__a`; a clock is
-    `<domain>_clk`, its synchronous reset `rst`, of a domain other than sync `<domain>_rst`. A
-    module inside is called by its path, as `<name>__sensor_0`.
+    Its ports are those of `bordered`. A module inside is called by its path, `<name>__sensor_0`.
     """
-    ports = {
-        "__".join(map(str, path)): (
-            Value.cast(value),
-            PortDirection.Output if member.flow == Out else PortDirection.Input,
-        )
-        for path, member, value in component.signature.flatten(component)
-    }
-    fragment = Fragment.get(component, Marking())
-    prepared = fragment.prepare(ports=ports, hierarchy=(name,), missing_domain=_domain)
+    prepared = bordered(component, Marking(), name)
     text, _ = rtlil.convert_fragment(prepared, name=name, emit_src=False)
     inside = re.compile(rf"(?<=\\{name})(?:\.[\w.$]+)")
     text = inside.sub(lambda found: found[0].replace(".", "__"), str(text))
     # Names that Amaranth has made are Yosys's to choose.
     return re.sub(r"(?<= )\\(\$\d+)(?=\s)", r"\1", text)
-
-
-def _domain(name: str) -> ClockDomain:
-    domain = ClockDomain(name)
-    domain.clk = Signal(name=f"{name}_clk")
-    return domain

@@ -68,6 +68,11 @@ class Core:
         """With all that is on its ports; made when it is needed."""
         return self.made()
 
+    @property
+    def still(self) -> tuple[str, ...]:
+        """See Bus."""
+        return () if self.bus == NONE else BUSES[self.bus].still
+
 
 @dataclass(frozen=True)
 class Function:
