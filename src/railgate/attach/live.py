@@ -12,7 +12,7 @@ from typing import Any
 
 from railgate.attach.board import find
 from railgate.registers.host import Bus, UartBus
-from railgate.unit.config import UNITS, Unit
+from railgate.unit.config import Unit, unit_named
 
 __all__ = ["Live", "on_port", "on_simulation", "readings"]
 
@@ -31,15 +31,14 @@ class Live:
 def on_port(port: str, baud: int, unit: str) -> Iterator[Live]:
     """A board on a serial port, of a unit by its name. Raises ValueError, and BusError where it
     does not answer."""
-    if unit not in UNITS:
-        raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{unit}"')
+    its_unit = unit_named(unit)
 
     def wait(seconds: Fraction) -> bool:
         time.sleep(float(seconds))
         return True
 
     with UartBus(port, baud) as bus:
-        yield Live(bus, UNITS[unit](), wait)
+        yield Live(bus, its_unit, wait)
 
 
 def on_simulation(scenario: str, skip: Fraction, *, paced: bool) -> Live:

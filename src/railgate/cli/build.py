@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from railgate import quantity
+from railgate.cli.options import limit_s
 from railgate.cli.output import present
 
 __all__ = ["build_"]
@@ -50,9 +50,7 @@ def build_(
         return
     if target is None or board is None:
         raise ValueError("TARGET and --board must be given, or --list")
-    limit_s = float(quantity.time_s(limit))
-    if limit_s <= 0:
-        raise ValueError(f"--limit must be above 0 s, not {limit}")
+    seconds = limit_s(limit)
     console = Console(stderr=True)
     try:
         with _status(console, f"{target} for {board}") as begins:
@@ -62,7 +60,7 @@ def build_(
                 unit=unit,
                 seed=seed,
                 pins=pins,
-                limit_s=limit_s,
+                limit_s=seconds,
                 folder=out,
                 begins=begins,
             )

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from railgate import quantity
+from railgate.cli.options import limit_s
 from railgate.cli.output import counted, present
 
 __all__ = ["report_"]
@@ -36,11 +36,9 @@ def report_(
     from railgate.fpga.targets import chosen
 
     targets = chosen(names or ())
-    limit_s = float(quantity.time_s(limit))
-    if limit_s <= 0:
-        raise ValueError(f"--limit must be above 0 s, not {limit}")
+    seconds = limit_s(limit)
     parts = list(dict.fromkeys(part or [REFERENCE]))
     with counted("placing", len(parts) * len(targets) * seeds) as placed:
-        rows = report(targets, parts, seeds=seeds, limit_s=limit_s, folder=out, placed=placed)
+        rows = report(targets, parts, seeds=seeds, limit_s=seconds, folder=out, placed=placed)
     present([row.as_json() for row in rows] if json else show(rows), [out / "fpga.json"])
     raise typer.Exit(int(any(row.failed for row in rows)))

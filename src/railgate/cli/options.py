@@ -13,7 +13,7 @@ import typer
 
 from railgate import quantity
 
-__all__ = ["finite", "option", "whole_hz", "with_setup"]
+__all__ = ["finite", "limit_s", "option", "whole_hz", "with_setup"]
 
 
 def option(help: str, *names: str) -> Any:
@@ -26,6 +26,14 @@ def finite(name: str, value: float) -> Fraction:
     if not math.isfinite(value):
         raise ValueError(f"{name} must be a finite number, not {value}")
     return Fraction(str(value))
+
+
+def limit_s(text: str) -> float:
+    """The time that --limit gives. Raises ValueError."""
+    seconds = float(quantity.time_s(text))
+    if seconds <= 0:
+        raise ValueError(f"--limit must be above 0 s, not {text}")
+    return seconds
 
 
 def whole_hz(name: str, text: str) -> int:

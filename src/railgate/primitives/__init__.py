@@ -5,6 +5,7 @@ from railgate.primitives.hardened import SparseState, Twin
 from railgate.primitives.inputs import FilteredInput
 from railgate.primitives.receiver import SerialReceiver
 from railgate.primitives.serial import SerialCheck, SerialTransmitter
+from railgate.primitives.through import through
 from railgate.primitives.timer import OneShot
 
 __all__ = [
@@ -16,4 +17,5 @@ __all__ = [
     "SerialTransmitter",
     "SparseState",
     "Twin",
+    "through",
 ]

@@ -13,7 +13,7 @@ from railgate.position_link.host import Layout, example
 from railgate.position_link.spec import Config as LinkConfig
 from railgate.vital_output.spec import Config as VitalConfig
 
-__all__ = ["AXLES", "UNITS", "Unit"]
+__all__ = ["AXLES", "UNITS", "Unit", "unit_named"]
 
 AXLES = 2
 """Sensors of an odometer: standstill of the train takes both (ODO-11)."""
@@ -90,3 +90,10 @@ def _maglev() -> Unit:
 
 UNITS = {"metro": Unit, "maglev": _maglev}
 """Those that a scenario can name: wheels of 650 mm with 200 teeth, or slots of a long stator."""
+
+
+def unit_named(name: str) -> Unit:
+    """One of UNITS. Raises ValueError."""
+    if name not in UNITS:
+        raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{name}"')
+    return UNITS[name]()

@@ -9,7 +9,7 @@ from math import floor
 from railgate.bounds import require
 from railgate.odometer.plant import Profile, Sensor
 from railgate.unit.application import Rule
-from railgate.unit.config import UNITS, Unit
+from railgate.unit.config import Unit, unit_named
 from railgate.unit.faults import Fault
 from railgate.unit.route import Route
 from railgate.vital_output.plant import RelayTimes
@@ -44,8 +44,7 @@ class Scenario:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.unit not in UNITS:
-            raise ValueError(f'unit must be one of {", ".join(UNITS)}, not "{self.unit}"')
+        unit_named(self.unit)
         require(self, ("ppm_1", -2_000, 2_000), ("ppm_2", -2_000, 2_000), ("seed", 0, 2**31))
         if self.seconds > MOST_S:
             raise ValueError(f"a run must last at most {MOST_S} s, not {float(self.seconds):g} s")
@@ -59,7 +58,7 @@ class Scenario:
     @property
     def config(self) -> Unit:
         """What the unit is built for."""
-        return UNITS[self.unit]()
+        return unit_named(self.unit)
 
     @property
     def profile(self) -> Profile:

@@ -10,9 +10,10 @@ import pytest
 from railgate.attach import Live, readings
 from railgate.engines import Clock, Design
 from railgate.fpga.cpu_line import command_frame, time_frame
-from railgate.fpga.gateware.top import BAUD, PINS, TARGETS, Top
+from railgate.fpga.gateware.top import PINS, TARGETS, Top
 from railgate.odometer.plant import Sensor, course
 from railgate.position_link.plant import Scenario
+from railgate.registers.gateware.uart import BAUD
 from railgate.registers.host import Running, UartBus
 from railgate.unit.config import Unit
 from railgate.vital_output.host import encode

@@ -19,6 +19,7 @@ from typing import Any
 from amaranth.build import Platform
 from amaranth.lib.wiring import Out, Signature
 
+from railgate.fpga.boards.board import board
 from railgate.fpga.gateware.top import PINS
 from railgate.toml_file import MisplacedError, parse_toml, read_text
 
@@ -37,9 +38,9 @@ class Pin:
     attributes: Mapping[str, str | int]
 
 
-def builtin_pins(board: str, needed: Signature, platform: Platform) -> tuple[Pin, ...]:
-    """As `read_pins`, of the board's own file."""
-    file = resources.files(__package__).joinpath(f"{board}.toml")
+def builtin_pins(on: str, needed: Signature, platform: Platform) -> tuple[Pin, ...]:
+    """As `read_pins`, of a board's own file, which is called as its module."""
+    file = resources.files(__package__).joinpath(f"{board(on).module}.toml")
     return _parse(file.read_text("utf-8"), file.name, needed, platform)
 
 

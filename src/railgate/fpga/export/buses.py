@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from amaranth.lib import wiring
 
 from railgate.registers.gateware import AxiLite, LocalBus, Uart, Wishbone
+from railgate.registers.gateware.uart import BAUD
 
-__all__ = ["BAUD", "BUSES", "NONE", "Bus"]
+__all__ = ["BUSES", "NONE", "Bus"]
 
 NONE = "none"
 """A core without registers."""
-
-BAUD = 115_200
-"""Of a serial line, as `railgate attach` has it."""
 
 
 @dataclass(frozen=True)

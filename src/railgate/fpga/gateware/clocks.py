@@ -41,13 +41,17 @@ class Start(wiring.Component):
         return m
 
 
-class Ecp5Pll(wiring.Component):
+class Pll(wiring.Component):
     """reference: the oscillator. clk: out, 1 bit. locked: out, 1 bit, asynchronous."""
 
-    def __init__(self, setting: Setting, reference: Value) -> None:
+    def __init__(self, setting: Setting, reference: Value | IOValue) -> None:
         self._setting = setting
         self._reference = reference
         super().__init__({"clk": Out(1), "locked": Out(1)})
+
+
+class Ecp5Pll(Pll):
+    """See Pll."""
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -79,14 +83,9 @@ class Ecp5Pll(wiring.Component):
         return m
 
 
-class Ice40Pll(wiring.Component):
-    """As Ecp5Pll; reference: a signal, or the pad itself, if it is the PLL's own. Behind the PLL a
+class Ice40Pll(Pll):
+    """See Pll; reference: a signal, or the pad itself, if it is the PLL's own. Behind the PLL a
     counter divides, whose clock is high for one part of so many."""
-
-    def __init__(self, setting: Setting, reference: Value | IOValue) -> None:
-        self._setting = setting
-        self._reference = reference
-        super().__init__({"clk": Out(1), "locked": Out(1)})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -115,13 +114,8 @@ class Ice40Pll(wiring.Component):
         return m
 
 
-class GowinPll(wiring.Component):
-    """As Ecp5Pll."""
-
-    def __init__(self, setting: Setting, reference: Value) -> None:
-        self._setting = setting
-        self._reference = reference
-        super().__init__({"clk": Out(1), "locked": Out(1)})
+class GowinPll(Pll):
+    """See Pll."""
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
@@ -157,7 +151,7 @@ class GowinPll(wiring.Component):
         return m
 
 
-PLLS: Mapping[str, type[Ecp5Pll | Ice40Pll | GowinPll]] = {
+PLLS: Mapping[str, type[Pll]] = {
     "ecp5": Ecp5Pll,
     "ice40": Ice40Pll,
     "himbaechel-gowin": GowinPll,

@@ -6,7 +6,7 @@ channel.cpu_rx ► commands, time ──┘
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from amaranth.hdl import Module
@@ -18,18 +18,17 @@ from railgate.odometer.gateware import Odometer
 from railgate.odometer.registers import registers as odometer
 from railgate.position_link.gateware import PositionLink
 from railgate.position_link.registers import registers as position_link
+from railgate.primitives import through
 from railgate.registers import Block, Map
 from railgate.registers.gateware import Mapped, address_bits
-from railgate.registers.gateware.uart import Uart
+from railgate.registers.gateware.uart import BAUD, Uart
 from railgate.unit.config import AXLES, Unit
 from railgate.unit.gateware import LINK_DOMAIN, Fpga
 from railgate.unit.registers import registers
 from railgate.vital_output.gateware import Channel
 from railgate.vital_output.registers import registers as vital_output
 
-__all__ = ["BAUD", "PINS", "TARGETS", "Top"]
-
-BAUD = 115_200
+__all__ = ["PINS", "TARGETS", "Top"]
 
 PINS: Mapping[str, tuple[str, ...]] = {
     "uart": ("rx", "tx"),
@@ -91,7 +90,9 @@ class Top(wiring.Component):
             if function in there:
                 self._served[name] = getattr(self._inside, name, self._inside)
         members = {"uart": {"rx": In(1), "tx": Out(1, init=1)}}
-        members |= {name: dict(_pinned(name, inside)) for name, inside in self._served.items()}
+        for name, served in self._served.items():
+            its = served.signature.members
+            members[name] = {pin: its[pin] for pin in PINS[name] if pin in its}
         if "channel" in self._served:
             members["channel"]["cpu_rx"] = In(1)
             channel = self._served["channel"].signature
@@ -110,19 +111,10 @@ class Top(wiring.Component):
         wiring.connect(m, bridge.bus, inside.bus)
         m.d.comb += [bridge.rx.eq(self.uart.rx), self.uart.tx.eq(bridge.tx)]
         for name, served in self._served.items():
-            outside = getattr(self, name)
-            for pin, member in _pinned(name, served):
-                inner, outer = getattr(served, pin), getattr(outside, pin)
-                m.d.comb += outer.eq(inner) if member.flow == Out else inner.eq(outer)
+            through(m, getattr(self, name), served, PINS[name])
         if channel := self._served.get("channel"):
             m.submodules.cpu_line = line = self._line
             m.d.comb += [line.rx.eq(self.channel.cpu_rx), channel.boot.eq(line.boot)]
             wiring.connect(m, line.command, channel.command)
             wiring.connect(m, line.time, channel.time)
         return m
-
-
-def _pinned(name: str, served: wiring.PureInterface) -> Iterator[tuple[str, wiring.Member]]:
-    """Those of PINS that it has itself."""
-    members = served.signature.members
-    return ((pin, members[pin]) for pin in PINS[name] if pin in members)

@@ -17,6 +17,7 @@ from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.gateware import Odometer
 from railgate.position_link.gateware import PositionLink
+from railgate.primitives import through
 from railgate.registers.gateware import BusCrossing, Decoder, Mapped, address_bits, bus_signature
 from railgate.unit.config import AXLES, Unit
 from railgate.unit.registers import registers
@@ -68,10 +69,10 @@ class Fpga(wiring.Component):
         wiring.connect(m, wiring.flipped(self.bus), decoder.bus)
         wiring.connect(m, decoder.served.odometer, odometer.bus)
         wiring.connect(m, decoder.served.vital_output, channel.bus)
-        m.d.comb += odometer.strobe.eq(self.strobe)
+        through(m, self, odometer, ("strobe",))
         for pins, sensor in zip(self.sensor, odometer.sensor, strict=True):
-            m.d.comb += [sensor.a.eq(pins.a), sensor.b.eq(pins.b)]
-        _through(m, self.channel, channel, CHANNEL_PINS)
+            through(m, pins, sensor, ("a", "b"))
+        through(m, self.channel, channel, CHANNEL_PINS)
         if self._link:
             served = decoder.served.position_link
             bits = len(served.request.p.address)
@@ -79,25 +80,10 @@ class Fpga(wiring.Component):
             m.submodules.link = link = DomainRenamer(LINK_DOMAIN)(self._link)
             wiring.connect(m, served, crossing.bus)
             wiring.connect(m, crossing.served, link.bus)
-            _through(m, self.link, link, LINK_PINS)
+            through(m, self.link, link, LINK_PINS)
         return m
 
 
 def _pins(function: wiring.Component, names: tuple[str, ...]) -> wiring.Signature:
     """These members of a function."""
     return wiring.Signature({name: function.signature.members[name] for name in names})
-
-
-def _through(
-    m: Module, outside: wiring.PureInterface, function: wiring.Component, names: tuple[str, ...]
-) -> None:
-    """These members of a function are the outside's."""
-    for name in names:
-        member = function.signature.members[name]
-        inside, out = getattr(function, name), getattr(outside, name)
-        if not member.is_port:
-            wiring.connect(m, wiring.flipped(out), inside)
-        elif member.flow == Out:
-            m.d.comb += out.eq(inside)
-        else:
-            m.d.comb += inside.eq(out)

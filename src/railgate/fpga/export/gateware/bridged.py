@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Value
+from amaranth.hdl import Module
 from amaranth.lib import wiring
-from amaranth.lib.wiring import Out
+
+from railgate.primitives import through
 
 __all__ = ["Bridged"]
 
@@ -25,11 +26,7 @@ class Bridged(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         wiring.connect(m, self._parts["bridge"].bus, self._parts["served"].bus)
-        ports = {path: Value.cast(port) for path, _, port in self.signature.flatten(self)}
         for name, part in self._parts.items():
             m.submodules[name] = part
-            for path, member, port in part.signature.flatten(part):
-                if path[0] != BUS:
-                    inside, outside = Value.cast(port), ports[path]
-                    m.d.comb += outside.eq(inside) if member.flow == Out else inside.eq(outside)
+            through(m, self, part, part.signature.members.keys() - {BUS})
         return m

@@ -36,5 +36,6 @@ The answer begins as soon as the accesses have been made, each a few ticks unles
 """
 
 from railgate.registers.gateware.uart.bridge import Uart
+from railgate.registers.gateware.uart.protocol import BAUD
 
-__all__ = ["Uart"]
+__all__ = ["BAUD", "Uart"]

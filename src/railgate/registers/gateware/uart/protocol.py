@@ -7,8 +7,21 @@ from enum import IntEnum
 from amaranth.lib import data
 from amaranth.lib.crc.catalog import CRC32_ISO_HDLC
 
-__all__ = ["ANSWER", "BYTE", "CRC", "END", "ESCAPE", "ESCAPED", "REQUEST", "Operation", "Status"]
+__all__ = [
+    "ANSWER",
+    "BAUD",
+    "BYTE",
+    "CRC",
+    "END",
+    "ESCAPE",
+    "ESCAPED",
+    "REQUEST",
+    "Operation",
+    "Status",
+]
 
+BAUD = 115_200
+"""Of a board's line, where it is not told otherwise, as of `railgate attach`."""
 BYTE = 8
 END, ESCAPE = 0xC0, 0xDB
 ESCAPED = {END: 0xDC, ESCAPE: 0xDD}
