@@ -26,9 +26,10 @@ EXACT = Assumptions(crystal_ppm=0)
 """The tick alone."""
 
 
-def phases(_: str) -> str:
-    """The source's table 1: where each measured T, Δt and φ lies at a phase of 90°."""
-    config = Config()
+def phases(megahertz: str) -> str:
+    """The source's table 1 with this clock: where each measured T, Δt and φ lies at 90°."""
+    config = _clocked(megahertz)
+    digits = len(megahertz) + 1
     rows = []
     for kilohertz in FREQUENCIES_KHZ:
         period = 1 / (1000 * kilohertz)
@@ -36,14 +37,19 @@ def phases(_: str) -> str:
         told = [between(*(f"{float(end) * 1e6:.4f}" for end in ends)) for ends in times]
         low, high = phase_bounds_deg(1000 * kilohertz, config)
         rows.append(
-            (f"{float(kilohertz):g}", *told, between(f"{float(low):.3f}", f"{float(high):.3f}"))
+            (
+                f"{float(kilohertz):g}",
+                *told,
+                between(*(f"{float(end):.{digits}f}" for end in (low, high))),
+            )
         )
     return table(("frequency, kHz", "T, µs", "Δt, µs", "φ, degrees"), rows)
 
 
-def periods(_: str) -> str:
-    """Where the speed from one period lies, by the tick alone, at constant true speeds."""
-    config = Config()
+def periods(megahertz: str) -> str:
+    """Where the speed from one period lies with this clock, by the tick alone, at constant true
+    speeds."""
+    config = _clocked(megahertz)
     rows = []
     for speed in SPEEDS_KMH:
         low, high = period_bounds_kmh(speed, config)
@@ -51,6 +57,10 @@ def periods(_: str) -> str:
         says = between(f"{low:.4f}", f"{high:.4f}")
         rows.append((f"{speed}", f"{hertz:.1f}", says, small(high - low)))
     return table(("speed, km/h", "pulses, Hz", "one period says, km/h", "width, km/h"), rows)
+
+
+def _clocked(megahertz: str) -> Config:
+    return Config(clock_hz=int(megahertz) * 1_000_000)
 
 
 def estimators(_: str) -> str:

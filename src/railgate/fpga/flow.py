@@ -11,7 +11,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from railgate.fpga.gateware import INSIDE
+from railgate.fpga.gateware.pins import INSIDE, TOP
 from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.tools import UnplacedError, nextpnr, versions, yosys
 from railgate.waves import replacing
@@ -21,16 +21,18 @@ __all__ = ["FULL", "Flow", "Netlist", "cells", "check_fits", "fmax_mhz", "taken"
 FULL = 0.75
 """The part of a device's LUTs or flip-flops above which nextpnr may not end."""
 
-TOP = "top"
+NETLIST = "netlist.v"
+"""The cells that are placed, as Verilog."""
 
 # The component stays a module of its own until its cells are counted; between its registers and
 # those of the pins there is nothing to optimise.
 SYNTHESIS = f"""
 read_rtlil design.il
-setattr -mod -set keep_hierarchy 1 {TOP}.{INSIDE}
+setattr -mod -set keep_hierarchy 1 {INSIDE}
 {{synthesis}} -top {TOP}
 tee -q -o cells.json stat -json
-setattr -mod -unset keep_hierarchy {TOP}.{INSIDE}
+write_verilog -noattr {NETLIST}
+setattr -mod -unset keep_hierarchy {INSIDE}
 flatten
 opt_clean
 write_json placeable.json
@@ -64,14 +66,14 @@ class Flow:
         flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options
         told = rtlil, flags, versions(self._part.nextpnr)
         digest = sha256(repr(told).encode()).hexdigest()[:12]
-        self._folder = kept / f"{name}-{on}-{digest}"
+        self.folder = kept / f"{name}-{on}-{digest}"
 
     def synthesise(self) -> Netlist:
         """What it takes. Raises UnplacedError where Yosys fails or takes too long."""
-        if not self._folder.exists():
+        if not self.folder.exists():
             self._make()
-        areas = taken(self._folder / "cells.json", self._part)
-        return Netlist(areas[f"{TOP}.{INSIDE}"], sum(areas.values(), Area()))
+        areas = taken(self.folder / "cells.json", self._part)
+        return Netlist(areas[INSIDE], sum(areas.values(), Area()))
 
     def place(self, seed: int) -> float:
         """The clock that it reaches with a seed, in MHz.
@@ -79,26 +81,26 @@ class Flow:
         Raises UnplacedError where it takes more of the part than FULL, and as `synthesise`.
         """
         check_fits(self._name, self.synthesise().whole, self._on)
-        report = self._folder / f"seed-{seed}.json"
+        report = self.folder / f"seed-{seed}.json"
         if not report.exists():
             with replacing(report) as new:
                 arguments = (*self._part.options, *PLACEMENT, "--seed", str(seed))
                 arguments += ("--report", new.name)
-                nextpnr(self._part.nextpnr, arguments, self._folder, self._limit_s)
+                nextpnr(self._part.nextpnr, arguments, self.folder, self._limit_s)
         return fmax_mhz(_read(report))
 
     def _make(self) -> None:
         """Synthesise; the folder comes into being with all in it."""
         try:
-            self._folder.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=self._folder.parent) as scratch:
+            self.folder.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=self.folder.parent) as scratch:
                 made = Path(scratch) / "made"
                 made.mkdir()
                 (made / "design.il").write_text(self._rtlil, encoding="utf-8")
                 yosys(SYNTHESIS.format(synthesis=self._part.synthesis), made, self._limit_s)
-                made.rename(self._folder)
+                made.rename(self.folder)
         except OSError as error:
-            raise ValueError(f"{self._folder} cannot be written: {error.strerror}") from None
+            raise ValueError(f"{self.folder} cannot be written: {error.strerror}") from None
 
 
 def check_fits(name: str, whole: Area, on: str) -> None:

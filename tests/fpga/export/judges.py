@@ -66,8 +66,9 @@ def icarus(core: Core, scratch: Path, ticks: int | None = None, verilog: str = "
     return run(["vvp", "-n", "bench.vvp", *told], scratch)
 
 
-def verilator(core: Core, scratch: Path) -> Result:
-    """Its test bench, whole."""
+def verilator(core: Core, scratch: Path, other: Sequence[str] = ()) -> Result:
+    """Its test bench, whole; with other options and sources in the place of its own if there are
+    some."""
     options = [
         "--binary",
         "--timing",
@@ -78,7 +79,7 @@ def verilator(core: Core, scratch: Path) -> Result:
         "--top-module",
         f"{core.name}_tb",
     ]
-    made = run(["verilator", *options, *core.verilog, core.file("_tb.sv")], scratch)
+    made = run(["verilator", *options, *(other or core.verilog), core.file("_tb.sv")], scratch)
     assert made.returncode == 0, made.stdout
     told = f"+vectors={core.file('.vectors')}"
     return run([scratch / "made" / f"V{core.name}_tb", told], scratch)

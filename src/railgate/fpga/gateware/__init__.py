@@ -1,6 +1,6 @@
 """What functions are placed behind, and beside; none of it is part of a function."""
 
 from railgate.fpga.gateware.peers import Counter, Crc32, Lfsr, Ssi
-from railgate.fpga.gateware.pins import INSIDE, netlist
+from railgate.fpga.gateware.pins import netlist
 
-__all__ = ["INSIDE", "Counter", "Crc32", "Lfsr", "Ssi", "netlist"]
+__all__ = ["Counter", "Crc32", "Lfsr", "Ssi", "netlist"]

@@ -13,15 +13,29 @@ shift_in ─► register ─► … ─► register        one a bit of the inpu
 from __future__ import annotations
 
 from amaranth.back import rtlil
-from amaranth.hdl import Cat, ClockDomain, Const, Fragment, Module, Signal, Value
-from amaranth.hdl._ir import PortDirection
+from amaranth.hdl import (
+    Cat,
+    ClockDomain,
+    ClockSignal,
+    Const,
+    Elaboratable,
+    Instance,
+    Module,
+    ResetSignal,
+    Signal,
+    Value,
+)
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from railgate.engines.border import bordered, flat
+
 __all__ = ["INSIDE", "netlist"]
 
+TOP = "top"
+
 INSIDE = "component"
-"""The component's name in the netlist's module `top`."""
+"""The component's module in a netlist, a part of module `top`."""
 
 
 class Pins(wiring.Component):
@@ -29,11 +43,13 @@ class Pins(wiring.Component):
 
     clk, rst, shift_in: in, 1 bit. shift_out: out, 1 bit. A path from or to one of them has its
     register next to the pin, and each output bit of the component can be seen in shift_out, so that
-    nothing of it is optimised away. Requirement SYS-3.
+    nothing of it is optimised away. inside: what stands in the component's place and has its
+    members for ports; None: the component itself. Requirement SYS-3.
     """
 
-    def __init__(self, component: wiring.Component) -> None:
+    def __init__(self, component: wiring.Component, inside: Elaboratable | None = None) -> None:
         self._component = component
+        self._inside = inside or component
         super().__init__(
             {name: In(1) for name in ("clk", "rst", "shift_in")} | {"shift_out": Out(1)}
         )
@@ -42,7 +58,7 @@ class Pins(wiring.Component):
         m = Module()
         m.domains.sync = sync = ClockDomain()
         m.domains.pins = pins = ClockDomain(reset_less=True)
-        m.submodules[INSIDE] = self._component
+        m.submodules[INSIDE] = self._inside
         members = list(self._component.signature.flatten(self._component))
         told, fed = (
             Cat(Value.cast(value) for _, member, value in members if member.flow == flow)
@@ -64,20 +80,21 @@ class Pins(wiring.Component):
 
 
 def netlist(component: wiring.Component) -> str:
-    """RTLIL of the component behind its pins, the same in every process: module `top` with ports
-    clk, rst, shift_in, shift_out. Raises ValueError where it needs another domain than sync."""
-    pins = Pins(component)
-    ports = {
-        str(path[0]): (
-            Value.cast(value),
-            PortDirection.Output if member.flow == Out else PortDirection.Input,
-        )
-        for path, member, value in pins.signature.flatten(pins)
+    """RTLIL of the component, with the ports of `bordered`, and of `top`, which puts it behind its
+    pins, with ports clk, rst, shift_in, shift_out. The same in every process.
+
+    Raises ValueError where it needs another domain than sync.
+    """
+    prepared = bordered(component, top=INSIDE)
+    for domain in prepared.fragment.domains:
+        if domain != "sync":
+            raise ValueError(f"what is placed must be in domain sync alone, not in {domain} too")
+    members = {
+        f"{'o' if member.flow == Out else 'i'}_{flat(path)}": Value.cast(value)
+        for path, member, value in component.signature.flatten(component)
     }
-    prepared = Fragment.get(pins, None).prepare(ports=ports, missing_domain=_missing)
-    text, _ = rtlil.convert_fragment(prepared, emit_src=False)
-    return str(text)
-
-
-def _missing(domain: str) -> None:
-    raise ValueError(f"what is placed must be in domain sync alone, not in {domain} too")
+    clocked = {"i_sync_clk": ClockSignal(), "i_rst": ResetSignal()}
+    pins = Pins(component, Instance(INSIDE, **clocked, **members))
+    modules = (INSIDE, prepared), (TOP, bordered(pins, top=TOP))
+    texts = [rtlil.convert_fragment(made, name=name, emit_src=False)[0] for name, made in modules]
+    return "".join(texts)
