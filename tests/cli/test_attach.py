@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from attach.journey import FILE
+from interrupts import heeds_interrupts
 from railgate.unit.config import UNITS
 from railgate.unit.registers import registers
 from registers.host.desk import BAUD, answering, flipped, on_desk
@@ -101,7 +102,11 @@ def test_ctrl_c_ends_it_cleanly(port) -> None:
     command = [sys.executable, "-c", "from railgate.cli import main; main()"]
     arguments = ["attach", port, "--baud", str(BAUD), "--json"]
     with subprocess.Popen(
-        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heeds_interrupts,
     ) as process:
         assert json.loads(process.stdout.readline())["functions"]
         process.send_signal(signal.SIGINT)

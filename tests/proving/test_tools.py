@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from interrupts import heeds_interrupts
 from railgate.proving.tools import Tools
 
 SLOW = """
@@ -104,6 +105,7 @@ def test_an_interruption_leaves_nothing_behind(slow, tmp_path) -> None:
         env={**os.environ, "TMPDIR": str(folder)},
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=heeds_interrupts,
     )
     processes = started(slow, 2)
     assert len(list(folder.iterdir())) == 2
