@@ -5,8 +5,11 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
+
 from railgate.fpga.export import core
 from railgate.fpga.export.vectors import FIRST_TICKS, vectors
+from railgate.odometer.spec import Flag
 from railgate.position_link.spec import Status
 from railgate.vital_output.spec import State
 from railgate.waves import read
@@ -28,6 +31,14 @@ def test_the_vectors_of_the_odometer_have_edges_a_reversal_and_a_reset() -> None
     assert trace["sensor.0.a_rising"].values[-1] >= 10
     assert trace["sensor.1.direction_changes"].values[-1] >= 1
     assert trace["rst"].rising().tolist() == [FIRST_TICKS - 1]
+
+
+def test_the_vectors_of_the_odometer_raise_each_flag_that_comes_soon() -> None:
+    trace = vectors(core("odometer")).trace
+    apart = Flag.GLITCH | Flag.SATURATED | Flag.WINDOW_OVERFLOW | Flag.STAMP_OVERFLOW
+    for sensor in (0, 1):
+        flags = trace[f"sensor.{sensor}.flags"].values
+        assert Flag(int(np.bitwise_or.reduce(flags))) == ~apart & Flag((1 << len(Flag)) - 1)
 
 
 def test_the_vectors_of_the_link_have_a_word_one_that_is_held_and_a_word_again() -> None:
