@@ -21,6 +21,7 @@ __all__ = ["FULL", "Flow", "Netlist", "cells", "check_fits", "fmax_mhz", "taken"
 FULL = 0.75
 """The part of a device's LUTs or flip-flops above which nextpnr may not end."""
 
+VERILOG = "design.v"
 NETLIST = "netlist.v"
 """The cells that are placed, as Verilog."""
 
@@ -28,6 +29,7 @@ NETLIST = "netlist.v"
 # those of the pins there is nothing to optimise.
 SYNTHESIS = f"""
 read_rtlil design.il
+read_verilog {VERILOG}
 setattr -mod -set keep_hierarchy 1 {INSIDE}
 {{synthesis}} -top {TOP}
 tee -q -o cells.json stat -json
@@ -53,18 +55,20 @@ class Netlist:
 class Flow:
     """One design on its way onto a part.
 
-    rtlil: from gateware.netlist. kept: the folder that keeps what tools made, in a folder for each
-    design, part and version of the tools: nothing is made twice, also after an interruption.
-    limit_s: the longest time for one call of a tool. Raises ValueError where a tool is missing, or
-    where a part needs pins.
+    rtlil: from gateware.netlist. verilog: of what is instantiated in it. kept: the folder that
+    keeps what tools made, in a folder for each design, part and version of the tools: nothing is
+    made twice, also after an interruption. limit_s: the longest time for one call of a tool.
+    Raises ValueError where a tool is missing, or where a part needs pins.
     """
 
-    def __init__(self, name: str, rtlil: str, on: str, kept: Path, limit_s: float) -> None:
+    def __init__(
+        self, name: str, rtlil: str, on: str, kept: Path, limit_s: float, verilog: str = ""
+    ) -> None:
         self._name, self._on, self._part = name, on, part(on, free_pins=True)
-        self._rtlil = rtlil
+        self._rtlil, self._verilog = rtlil, verilog
         self._limit_s = limit_s
         flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options
-        told = rtlil, flags, versions(self._part.nextpnr)
+        told = rtlil, verilog, flags, versions(self._part.nextpnr)
         digest = sha256(repr(told).encode()).hexdigest()[:12]
         self.folder = kept / f"{name}-{on}-{digest}"
 
@@ -97,6 +101,7 @@ class Flow:
                 made = Path(scratch) / "made"
                 made.mkdir()
                 (made / "design.il").write_text(self._rtlil, encoding="utf-8")
+                (made / VERILOG).write_text(self._verilog, encoding="utf-8")
                 yosys(SYNTHESIS.format(synthesis=self._part.synthesis), made, self._limit_s)
                 made.rename(self.folder)
         except OSError as error:

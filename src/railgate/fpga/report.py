@@ -99,17 +99,18 @@ def report(
     rows: list[Row] = []
     for on, (name, target) in product(parts, targets.items()):
         rows.append(Row(name, on, target.goal if on == REFERENCE else None))
-        flow = Flow(name, netlist(target.component()), on, folder / "fpga", limit_s)
-        for row in _placements(flow, rows[-1], seeds):
+        for row in _placements(target, rows[-1], seeds, limit_s, folder / "fpga"):
             rows[-1] = row
             _keep(rows, folder / "fpga.json")
             placed()
     return rows
 
 
-def _placements(flow: Flow, row: Row, seeds: int) -> Iterator[Row]:
+def _placements(target: Target, row: Row, seeds: int, limit_s: float, kept: Path) -> Iterator[Row]:
     """The row after each seed; where one fails, no further seed is tried."""
     try:
+        rtlil = netlist(target.component())
+        flow = Flow(row.target, rtlil, row.part, kept, limit_s, target.verilog())
         row = replace(row, area=flow.synthesise().inside)
         for seed in range(1, seeds + 1):
             row = replace(row, fmax_mhz=(*row.fmax_mhz, flow.place(seed)))

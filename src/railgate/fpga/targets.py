@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from amaranth.lib import wiring
 
-from railgate.fpga.gateware import Counter, Crc32, Lfsr, Ssi
+from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Ssi
+from railgate.fpga.gateware.mac import verilog as liteeth_verilog
 from railgate.odometer.gateware import Odometer
 from railgate.odometer.spec import Config as OdometerConfig
 from railgate.position_link.gateware import PositionLink
@@ -28,11 +29,13 @@ class Goal:
 
 @dataclass(frozen=True)
 class Target:
-    """component: of domain sync alone. kind: ceiling, peer or function. goal: of a function."""
+    """component: of domain sync alone. kind: ceiling, peer or function. goal: of a function.
+    verilog: of what the component instantiates."""
 
     component: Callable[[], wiring.Component]
     kind: str
     goal: Goal | None = None
+    verilog: Callable[[], str] = str
 
 
 CEILING = "lfsr"
@@ -43,6 +46,7 @@ TARGETS: Mapping[str, Target] = {
     "counter": Target(Counter, "peer"),
     "ssi": Target(Ssi, "peer"),
     "crc32": Target(Crc32, "peer"),
+    "liteeth": Target(LiteEthMac, "peer", verilog=liteeth_verilog),
     "position_link": Target(lambda: PositionLink(LinkConfig()), "function", Goal(280)),
     "odometer": Target(lambda: Odometer(OdometerConfig(sensors=1)), "function", Goal(280, 300)),
     "vital_output": Target(lambda: Channel(VitalConfig(outputs=16), 0), "function", Goal(150)),

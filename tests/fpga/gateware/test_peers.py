@@ -1,11 +1,16 @@
 """The peers do what they are held against for."""
 
+import sys
 from random import Random
 from zlib import crc32
 
+import pytest
+from amaranth.hdl import Shape
 from amaranth.sim import Simulator
 
-from railgate.fpga.gateware import Counter, Crc32, Lfsr, Ssi
+from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Ssi
+from railgate.fpga.gateware.mac import MODULE, _converted, verilog
+from railgate.fpga.tools import UnplacedError
 
 
 def run(component, bench) -> None:
@@ -85,3 +90,18 @@ def test_the_crc_is_that_of_zlib() -> None:
         assert ctx.get(crc.crc) == crc32(message)
 
     run(crc, bench)
+
+
+def test_liteeths_mac_has_four_streams_and_no_clock_among_its_members() -> None:
+    members = LiteEthMac().signature.members
+    streams = {name.partition("_")[0] for name in members}
+    assert streams == {"sink", "source"}
+    assert sum(Shape.cast(member.shape).width == 8 for member in members.values()) == 4
+    assert f"module {MODULE}(" in verilog()
+
+
+def test_without_liteeth_its_figures_alone_are_missing(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "liteeth.common", None)
+    _converted.cache_clear()
+    with pytest.raises(UnplacedError, match=r"^liteeth is needed: pip install liteeth$"):
+        LiteEthMac()

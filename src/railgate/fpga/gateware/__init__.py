@@ -1,6 +1,7 @@
 """What functions are placed behind, and beside; none of it is part of a function."""
 
+from railgate.fpga.gateware.mac import LiteEthMac
 from railgate.fpga.gateware.peers import Counter, Crc32, Lfsr, Ssi
 from railgate.fpga.gateware.pins import netlist
 
-__all__ = ["Counter", "Crc32", "Lfsr", "Ssi", "netlist"]
+__all__ = ["Counter", "Crc32", "Lfsr", "LiteEthMac", "Ssi", "netlist"]
