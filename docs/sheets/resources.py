@@ -1,4 +1,7 @@
-"""What a function takes of an FPGA, from the last build's record, where there is one."""
+"""What a function takes of an FPGA, as `railgate fpga report` has measured it.
+
+`fpga.json` here is a copy of what it wrote to `build/`.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from railgate.fpga.targets import TARGETS
 from sheets.functions import function
 from sheets.markdown import number, table
 
@@ -24,17 +28,19 @@ COLUMNS = {
 }
 """What is told of a row, and as what."""
 
-RECORD = Path(__file__).parents[2] / "build" / "fpga.json"
+RECORD = Path(__file__).with_name("fpga.json")
 """An array of objects; those of a function have its name as `target`."""
 
 
 def resources(name: str) -> str:
-    """A table of what the builds of a function came to. Raises ValueError."""
+    """A table of what a function came to, and whether it has changed since. Raises ValueError."""
     function(name)
-    if not RECORD.exists():
-        return "Not measured yet: nothing has been placed and routed so far (SYS-3).\n"
     told: list[dict[str, Any]] = json.loads(RECORD.read_text("utf-8"))
-    rows = [[number(each[key]) for key in COLUMNS] for each in told if each["target"] == name]
-    if not rows:
-        return "Not among the builds that `build/fpga.json` tells of.\n"
-    return table(list(COLUMNS.values()), rows)
+    measured = [each for each in told if each["target"] == name]
+    if not measured:
+        return "Not measured yet.\n"
+    rows = [[number(each[key]) for key in COLUMNS] for each in measured]
+    made = table(list(COLUMNS.values()), rows)
+    if {each["digest"] for each in measured} != {TARGETS[name].digest()}:
+        made += "\nThe gateware has changed since: measure it anew with `railgate fpga report`.\n"
+    return made

@@ -12,6 +12,7 @@ import pytest
 from amaranth.hdl import Value
 
 from docs.examples import ROOT
+from railgate.fpga.targets import TARGETS
 from railgate.odometer.spec import Config
 from railgate.waves import Waveform
 from sheets.configuration import configuration
@@ -79,16 +80,18 @@ def test_the_layers_are_those_of_the_contract() -> None:
             assert [f"railgate.{box}" for box in boxes] == modules
 
 
-def test_resources_that_were_not_measured_are_not_told(monkeypatch, tmp_path) -> None:
+def test_resources_are_told_as_measured_and_whether_of_this_gateware(monkeypatch, tmp_path) -> None:
     record = tmp_path / "fpga.json"
     monkeypatch.setattr("sheets.resources.RECORD", record)
-    assert "Not measured yet" in resources("odometer")
     told = dict.fromkeys(COLUMNS, 7) | {"target": "odometer", "part": "ECP5", "lut": 1234}
-    record.write_text(json.dumps([told]), "utf-8")
-    assert rows(resources("odometer")) == [
-        ["ECP5", "7", "7", "7", "1\N{NARROW NO-BREAK SPACE}234", "7", "7", "7", "7"]
-    ]
-    assert "Not among the builds" in resources("vital_output")
+    for digest, changed in ((TARGETS["odometer"].digest(), False), ("0", True)):
+        record.write_text(json.dumps([told | {"digest": digest}]), "utf-8")
+        page = resources("odometer")
+        assert rows(page)[0] == [
+            *("ECP5", "7", "7", "7", "1\N{NARROW NO-BREAK SPACE}234", "7", "7", "7", "7")
+        ]
+        assert ("has changed since" in page) == changed
+    assert resources("vital_output") == "Not measured yet.\n"
 
 
 def test_markdown_is_not_broken_by_what_it_holds() -> None:

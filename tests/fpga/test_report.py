@@ -13,7 +13,8 @@ from railgate.fpga.targets import TARGETS, Goal, chosen
 
 
 def row(*fmax_mhz: float, median_mhz: float | None = None, **more) -> Row:
-    return Row("odometer", REFERENCE, Goal(280, median_mhz), Area(1, 2), fmax_mhz, **more)
+    goal = Goal(280, median_mhz)
+    return Row("odometer", REFERENCE, goal, area=Area(1, 2), fmax_mhz=fmax_mhz, **more)
 
 
 @pytest.mark.parametrize(
@@ -35,10 +36,11 @@ def test_a_goal_is_met_by_all_seeds_only_and_missed_by_one(of, met) -> None:
 
 
 def test_the_rows_are_as_documented() -> None:
-    told = row(281.26, 290, 300, 310, 320, median_mhz=300).as_json()
+    told = row(281.26, 290, 300, 310, 320, median_mhz=300, digest="0123").as_json()
     assert told == {
         "target": "odometer",
         "part": REFERENCE,
+        "digest": "0123",
         "fmax_worst_mhz": 281.3,
         "fmax_median_mhz": 300,
         "lut": 1,

@@ -16,7 +16,16 @@ from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.tools import UnplacedError, nextpnr, versions, yosys
 from railgate.waves import replacing
 
-__all__ = ["FULL", "Flow", "Netlist", "cells", "check_fits", "fmax_mhz", "taken"]
+__all__ = [
+    "FULL",
+    "NETLIST",
+    "Flow",
+    "Netlist",
+    "cells",
+    "check_fits",
+    "fmax_mhz",
+    "taken",
+]
 
 FULL = 0.75
 """The part of a device's LUTs or flip-flops above which nextpnr may not end."""

@@ -1,7 +1,8 @@
 """The figures of each target on each part, over several seeds (SYS-3).
 
 They are kept in `<folder>/fpga.json`, rewritten as they come: an array of one object a target and
-part, with `target`, `part`, `fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed),
+part, with `target`, `part`, `digest` (of the sources that were placed; null where there were none),
+`fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed),
 `lut`, `ff`, `ram`, `dsp` (of the target alone; null where it was not synthesised), `goal_mhz` (for
 the worst seed), `goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been
 placed and none falls short), `seeds` (how many were placed), `failed` (why not all were, else
@@ -18,7 +19,6 @@ from itertools import product
 from pathlib import Path
 
 from railgate.fpga.flow import Flow
-from railgate.fpga.gateware import netlist
 from railgate.fpga.parts import REFERENCE, Area, part
 from railgate.fpga.targets import Goal, Target
 from railgate.fpga.tools import UnplacedError
@@ -32,7 +32,8 @@ SEEDS = 5
 
 @dataclass(frozen=True)
 class Row:
-    """What one target came to. area: of the target alone. fmax_mhz: of seeds 1, 2, ….
+    """What one target came to. digest: see Target. area: of the target alone. fmax_mhz: of seeds 1,
+    2, ….
 
     failed: why a seed is missing.
     """
@@ -40,6 +41,7 @@ class Row:
     target: str
     part: str
     goal: Goal | None = None
+    digest: str | None = None
     area: Area | None = None
     fmax_mhz: tuple[float, ...] = ()
     failed: str = ""
@@ -69,6 +71,7 @@ class Row:
         return {
             "target": self.target,
             "part": self.part,
+            "digest": self.digest,
             "fmax_worst_mhz": _rounded(self.worst_mhz),
             "fmax_median_mhz": _rounded(self.median_mhz),
             **area,
@@ -109,9 +112,9 @@ def report(
 def _placements(target: Target, row: Row, seeds: int, limit_s: float, kept: Path) -> Iterator[Row]:
     """The row after each seed; where one fails, no further seed is tried."""
     try:
-        rtlil = netlist(target.component())
-        flow = Flow(row.target, rtlil, row.part, kept, limit_s, target.verilog())
-        row = replace(row, area=flow.synthesise().inside)
+        rtlil, verilog = target.sources()
+        flow = Flow(row.target, rtlil, row.part, kept, limit_s, verilog)
+        row = replace(row, digest=target.digest(), area=flow.synthesise().inside)
         for seed in range(1, seeds + 1):
             row = replace(row, fmax_mhz=(*row.fmax_mhz, flow.place(seed)))
             yield row
