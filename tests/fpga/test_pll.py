@@ -1,6 +1,10 @@
 """The dividers of PLLs: exact clocks, inside the data sheets' limits, or none."""
 
+import re
+import subprocess
+import sys
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -59,3 +63,35 @@ def test_a_clock_that_is_not_exact_is_refused_with_the_nearest() -> None:
     says = r"makes exactly of 12 MHz, as 16\.384615\d* MHz|as 16\.\d+ MHz, not 16\.384 MHz"
     with pytest.raises(ValueError, match=says):
         setting("ice40", 12 * MHZ, 16_384_000)
+
+
+PAIR = re.compile(r"([A-Z]\w+(?: divisor)?)[:(]\s*(\d+)")
+"""`DIVR:  0`, `.IDIV_SEL(8)`, `Refclk divisor: 5`."""
+
+
+def told(tool: str, *arguments: str) -> dict[str, int]:
+    """What a vendor-independent tool for PLLs chooses: numbers by their names."""
+    command = [str(Path(sys.executable).with_name(tool)), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return {name: int(value) for name, value in PAIR.findall(done.stdout)}
+
+
+@pytest.mark.parametrize("mhz", ["17", "40", "60", "100", "133", "240"])
+def test_what_icepll_and_gowin_pll_choose_is_among_the_settings(mhz) -> None:
+    for family, oscillator, tool, more in (
+        ("ice40", "12", "yowasp-icepll", ()),
+        ("himbaechel-gowin", "27", "gowin_pll", ("-d", "GW1NR-9 C6/I5")),
+    ):
+        chosen = told(tool, "-i", oscillator, "-o", mhz, *more)
+        settings = FAMILIES[family](Fraction(int(oscillator) * MHZ))
+        assert any(
+            each.divide == 1 and each.parameters.items() <= chosen.items() for each in settings
+        )
+
+
+@pytest.mark.parametrize("mhz", ["16", "40", "60", "100", "133", "400"])
+def test_what_ecppll_reaches_is_among_the_settings(mhz) -> None:
+    chosen = told("yowasp-ecppll", "-i", "25", "-o", mhz)
+    settings = FAMILIES["ecp5"](Fraction(25 * MHZ))
+    reached = Fraction(25 * chosen["Feedback divisor"], chosen["Refclk divisor"])
+    assert any(each.hz == reached * MHZ for each in settings)
