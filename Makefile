@@ -47,7 +47,7 @@ bench: setup
 # where a requirement is not shown by them.
 evidence: test
 	$(BIN)/railgate fpga report
-	$(BIN)/pytest -m slow
+	$(BIN)/pytest --numprocesses 2 -m slow
 	$(BIN)/railgate prove --mutants
 	$(BIN)/railgate evidence --strict
 

@@ -122,3 +122,11 @@ def test_a_part_that_needs_pins_is_told(tmp_path) -> None:
 def test_a_part_that_is_not_there_is_told() -> None:
     with pytest.raises(ValueError, match=r'one of ECP5-25F-6, iCE40-HX8K, .*, not "ECP4"'):
         part("ECP4")
+
+
+def test_two_processes_may_make_the_same(tmp_path) -> None:
+    first, second = flow(tmp_path), flow(tmp_path)
+    taken = first.synthesise()
+    second._make()
+    assert second.synthesise() == taken
+    assert len(list(tmp_path.iterdir())) == 1

@@ -112,7 +112,11 @@ class Flow:
                 (made / "design.il").write_text(self._rtlil, encoding="utf-8")
                 (made / VERILOG).write_text(self._verilog, encoding="utf-8")
                 yosys(SYNTHESIS.format(synthesis=self._part.synthesis), made, self._limit_s)
-                made.rename(self.folder)
+                try:
+                    made.rename(self.folder)
+                except OSError:
+                    if not self.folder.is_dir():  # made by another process meanwhile
+                        raise
         except OSError as error:
             raise ValueError(f"{self.folder} cannot be written: {error.strerror}") from None
 
