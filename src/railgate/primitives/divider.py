@@ -12,7 +12,8 @@ __all__ = ["FractionalDivider"]
 class FractionalDivider(wiring.Component):
     """Strobes `numerator` times in `denominator` ticks, 1 ≤ numerator ≤ denominator.
 
-    strobe: out, 1 bit; number n = 0, 1, … is in tick delay_ticks + ⌈n · denominator / numerator⌉.
+    strobe: out, 1 bit; number n = 0, 1, … is in tick delay_ticks + ⌈n · denominator / numerator⌉,
+    delay_ticks > -denominator / numerator: where it is negative, number 0 is over before tick 0.
 
     Its register `remainder` is, after t ticks with n strobes,
     numerator · (t - delay_ticks) - denominator · n: a strobe is due as soon as it is not negative.
@@ -26,7 +27,8 @@ class FractionalDivider(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        start = -self._numerator * self._delay_ticks
+        over = self._delay_ticks < 0
+        start = -self._numerator * self._delay_ticks - over * self._denominator
         after_strobe = self._numerator - self._denominator
         lowest = min(start, after_strobe)
         width = 1 + max(self._numerator - 1, -lowest - 1).bit_length()
