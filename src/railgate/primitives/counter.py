@@ -12,31 +12,32 @@ CHUNK_BITS = 8
 
 
 class LookaheadCounter(wiring.Component):
-    """Counts steps, any two of them at least 3 ticks apart, modulo its width.
+    """Counts steps, modulo its width.
 
-    step: in, 1 bit. clear: in, 1 bit, a step in this tick leads to 0. value: out, register of
-    `width` bits, at start `start`, the bits above the lowest 8 of which are 0.
+    step: in, 1 bit. clear: in, 1 bit, back to 0. Between any two of these are 2 ticks or more, but
+    where both come together, which is a clear. value: out, register of `width` bits.
 
     What a step carries is looked ahead in registers: `full` tells which chunks of the value are
     all ones, and `carries`, a tick behind it, into which chunks a step carries.
     """
 
-    def __init__(self, width: int, start: int = 0) -> None:
+    def __init__(self, width: int) -> None:
         self._width = width
-        super().__init__({"step": In(1), "clear": In(1), "value": Out(width, init=start)})
+        super().__init__({"step": In(1), "clear": In(1), "value": Out(width)})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         chunks = [self.value[part] for part in _chunks(self._width)]
-        full, carries = Signal(len(chunks)), Signal(len(chunks), init=1)
+        full = Signal(len(chunks))
+        carries = Signal(len(chunks), init=1)
         m.d.sync += [
             full.eq(Cat(chunk.all() for chunk in chunks)),
             carries.eq(Cat(full[:n].all() for n in range(len(chunks)))),
         ]
-        with m.If(self.step):
+        with m.If(self.clear):
+            m.d.sync += self.value.eq(0)
+        with m.Elif(self.step):
             m.d.sync += [chunk.eq(chunk + carries[n]) for n, chunk in enumerate(chunks)]
-            with m.If(self.clear):
-                m.d.sync += self.value.eq(0)
         return m
 
 

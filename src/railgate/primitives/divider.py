@@ -12,27 +12,31 @@ __all__ = ["FractionalDivider"]
 class FractionalDivider(wiring.Component):
     """Strobes `numerator` times in `denominator` ticks, 1 ≤ numerator ≤ denominator.
 
-    strobe: out, 1 bit; number n = 0, 1, … is in tick delay_ticks + ⌈n · denominator / numerator⌉,
-    delay_ticks > -denominator / numerator: where it is negative, number 0 is over before tick 0.
+    strobe: out, 1 bit, register; number n = 0, 1, … is in tick
+    delay_ticks + ⌈n · denominator / numerator⌉, delay_ticks > -denominator / numerator: where it is
+    negative, number 0 is over before tick 0.
 
     Its register `remainder` is, after t ticks with n strobes,
-    numerator · (t - delay_ticks) - denominator · n: a strobe is due as soon as it is not negative.
+    numerator · (t - delay_ticks) - denominator · n: with a strobe it is not negative, else it is.
     """
 
     def __init__(self, numerator: int, denominator: int, delay_ticks: int = 0) -> None:
         self._numerator = numerator
         self._denominator = denominator
-        self._delay_ticks = delay_ticks
-        super().__init__({"strobe": Out(1)})
+        over = delay_ticks < 0
+        self._start = -numerator * delay_ticks - over * denominator
+        super().__init__({"strobe": Out(1, init=self._start >= 0)})
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        over = self._delay_ticks < 0
-        start = -self._numerator * self._delay_ticks - over * self._denominator
         after_strobe = self._numerator - self._denominator
-        lowest = min(start, after_strobe)
+        lowest = min(self._start, after_strobe)
         width = 1 + max(self._numerator - 1, -lowest - 1).bit_length()
-        remainder = Signal(signed(width), init=start)
-        m.d.comb += self.strobe.eq(remainder >= 0)
-        m.d.sync += remainder.eq(remainder + Mux(self.strobe, after_strobe, self._numerator))
+        remainder = Signal(signed(width), init=self._start)
+        m.d.sync += [
+            remainder.eq(remainder + Mux(self.strobe, after_strobe, self._numerator)),
+            self.strobe.eq(
+                Mux(self.strobe, remainder >= -after_strobe, remainder >= -self._numerator)
+            ),
+        ]
         return m

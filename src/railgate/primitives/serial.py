@@ -72,7 +72,7 @@ class SerialTransmitter(wiring.Component):
         m = Module()
         size = max(self._width, self._tail_width)
         whole = self._width + self._tail_width
-        remaining = Signal(range(whole))  # bits after the one that is sent
+        remaining = Signal(range(whole), init=whole - 1)  # with `more`: bits after the one sent
         more = Signal()  # remaining is not 0
         rest = Signal(size)
 
@@ -91,14 +91,14 @@ class SerialTransmitter(wiring.Component):
                 self.data.eq((self.start | more) & self.bit),
                 rest.eq(bits << 1),
             ]
-            with m.If(self.start):
-                m.d.sync += [remaining.eq(whole - 1), more.eq(whole > 1)]
-            with m.Elif(more):
-                m.d.sync += [remaining.eq(remaining - 1), more.eq(remaining != 1)]
             if self._tail_width:
                 m.d.sync += tail_next.eq(
                     Mux(self.start, self._width == 1, remaining == self._tail_width + 1)
                 )
+        with m.If(self.strobe & self.start):
+            m.d.sync += [remaining.eq(whole - 1), more.eq(whole > 1)]
+        with m.Elif(self.strobe & more):
+            m.d.sync += [remaining.eq(remaining - 1), more.eq(remaining != 1)]
         return m
 
 

@@ -38,6 +38,7 @@ class Reader(wiring.Component):
 
     def __init__(self, config: Config) -> None:
         self._config = config
+        self._at_rise = config.input_delay_ticks + 4
         inputs = ("uef", "uef_rise", "uef_fall", "data", "data_edge")
         times = ("starts", "early", "open", "closes", "sample", "decided")
         super().__init__(
@@ -46,7 +47,7 @@ class Reader(wiring.Component):
                 "causes": Out(len(LINE_CAUSES)),
                 "complete": Out(1),
                 "word": Out(config.word_bits),
-                "since_rise": Out(range(config.delivery_ticks + 1)),
+                "since_rise": Out(range(config.delivery_ticks + 1), init=self._at_rise),
             }
             | ({"check": Out(config.check.width)} if config.check else {})
         )
@@ -90,24 +91,21 @@ class Reader(wiring.Component):
         ]
         events[Cause.SHORT] = lacking & ends
         events[Cause.LONG] = whole & samples & ~ends
-        m.d.sync += self.since_rise.eq(
-            Mux(begun, config.input_delay_ticks + 4, self.since_rise + 1)
-        )
+        m.d.sync += self.since_rise.eq(Mux(begun, self._at_rise, self.since_rise + 1))
 
+        taken = _later(m, takes, "taken")
         if config.guard_ticks:
-            m.submodules.holding = holding = OneShot(config.guard_ticks)
-            m.d.comb += holding.trigger.eq(takes)
-            events[Cause.UNSTABLE] = data_edge & (takes | holding.active)
+            events[Cause.UNSTABLE] = data_edge & (takes | taken)
         if config.guard_ticks > 1:
+            m.submodules.holding = holding = OneShot(config.guard_ticks - 1)
             m.submodules.settling = settling = OneShot(config.guard_ticks - 1)
-            m.d.comb += settling.trigger.eq(data_edge)
-            events[Cause.UNSTABLE] |= takes & settling.active
+            m.d.comb += [holding.trigger.eq(taken), settling.trigger.eq(data_edge)]
+            events[Cause.UNSTABLE] |= (data_edge & holding.active) | (takes & settling.active)
 
         happened = _later(m, Cat(events.values()), "happened")
         m.d.sync += self.causes.eq(Mux(self.decided, 0, self.causes) | happened)
 
         # Two ticks later: the bits taken.
-        taken = _later(m, takes, "taken")
         bit = _later(m, data, "bit")
         bits = Signal(range(config.word_bits + 1))
         with m.If(taken):

@@ -22,15 +22,14 @@ class BitClock(wiring.Component):
     clk: out, 1 bit, the line. rises, falls: out, 1 bit, in the tick before such an edge. One out
     of the name of each mark, 1 bit, in the tick before this edge. All are registers.
 
-    Its register `edge` is a tick ahead of them: with it `half` counts, the number of the edge, and
-    for each mark the register `next_…` tells whether it is this one.
+    Its register `edge` is a tick ahead of them. `half` counts with it, and with each mark's edge
+    the register `next_…` is 1. Without delay, edge 0 is over before tick 0: there 1 is the first.
     """
 
     def __init__(self, config: Config, marks: Mapping[str, int], delay_ticks: int = 0) -> None:
         self._config = config
         self._marks = marks
         self._delay_ticks = delay_ticks
-        # Undelayed, the first edge is in tick 1, and what is ahead of it is over before tick 0.
         self._first = first = int(delay_ticks == 0)
         super().__init__(
             {"clk": Out(1), "rises": Out(1, init=first), "falls": Out(1)}
@@ -44,22 +43,24 @@ class BitClock(wiring.Component):
         m.submodules.divider = divider = FractionalDivider(
             halves.numerator, halves.denominator, self._delay_ticks - 2
         )
-        edge, edges = Signal(), 2 * config.cycle_bits
-        m.submodules.half = half = LookaheadCounter((edges - 1).bit_length(), self._first)
-        known = {
-            name: (number, Signal(name=f"next_{name}", init=number == self._first))
-            for name, number in {**self._marks, "last": edges - 1}.items()
-        }
+        edge = Signal()
         m.d.sync += edge.eq(divider.strobe)
-        m.d.comb += [half.step.eq(edge), half.clear.eq(known["last"][1])]
-        with m.If(edge):
-            m.d.sync += [flag.eq(half.value == (at - 1) % edges) for at, flag in known.values()]
 
+        edges = 2 * config.cycle_bits
+        m.submodules.half = half = LookaheadCounter((edges - 1).bit_length())
+        known = {}
+        for name, number in {"last": edges - 1 + self._first, **self._marks}.items():
+            at = (number - self._first) % edges
+            known[name] = Signal(name=f"next_{name}", init=at == 0)
+            with m.If(edge):
+                m.d.sync += known[name].eq(half.value == (at - 1) % edges)
+        odd = half.value[0] ^ self._first
+        m.d.comb += [half.step.eq(edge), half.clear.eq(edge & known["last"])]
         m.d.sync += [
-            self.clk.eq(half.value[0]),
-            self.rises.eq(edge & ~half.value[0]),
-            self.falls.eq(edge & half.value[0]),
-            *(getattr(self, name).eq(edge & known[name][1]) for name in self._marks),
+            self.clk.eq(odd),
+            self.rises.eq(edge & ~odd),
+            self.falls.eq(edge & odd),
+            *(getattr(self, name).eq(edge & known[name]) for name in self._marks),
         ]
         return m
 
