@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Signal
+from collections.abc import Iterable, Mapping
+
+from amaranth.hdl import Cat, Const, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -12,33 +14,63 @@ CHUNK_BITS = 8
 
 
 class LookaheadCounter(wiring.Component):
-    """Counts steps, modulo its width.
+    """Counts steps, any two of them at least 3 ticks apart, modulo `modulus`.
 
-    step: in, 1 bit. clear: in, 1 bit, back to 0. Between any two of these are 2 ticks or more, but
-    where both come together, which is a clear. value: out, register of `width` bits.
+    step: in, 1 bit. value: out, register of `width` bits. One out of the name of each mark, 1 bit,
+    register: 2 ticks ago the value was this number, which is below the modulus.
 
-    What a step carries is looked ahead in registers: `full` tells which chunks of the value are
-    all ones, and `carries`, a tick behind it, into which chunks a step carries.
+    What a step does is looked ahead, in the same time: the register `full` tells which chunks of
+    the value were all ones a tick ago, `carries` into which of them a step would have carried a
+    tick before, and `last` whether it would have led to 0.
     """
 
-    def __init__(self, width: int) -> None:
-        self._width = width
-        super().__init__({"step": In(1), "clear": In(1), "value": Out(width)})
+    def __init__(self, modulus: int, marks: Mapping[str, int] | None = None) -> None:
+        self._modulus = modulus
+        self._width = (modulus - 1).bit_length()
+        self._marks = marks or {}
+        super().__init__(
+            {"step": In(1), "value": Out(self._width)}
+            | {name: Out(1, init=number == 0) for name, number in self._marks.items()}
+        )
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         chunks = [self.value[part] for part in _chunks(self._width)]
-        full = Signal(len(chunks))
-        carries = Signal(len(chunks), init=1)
+        size = len(chunks)
+        full, carries = Signal(size, name="full"), Signal(size, init=1, name="carries")
         m.d.sync += [
             full.eq(Cat(chunk.all() for chunk in chunks)),
-            carries.eq(Cat(full[:n].all() for n in range(len(chunks)))),
+            carries.eq(Cat(full[:n].all() for n in range(size))),
         ]
-        with m.If(self.clear):
-            m.d.sync += self.value.eq(0)
-        with m.Elif(self.step):
-            m.d.sync += [chunk.eq(chunk + carries[n]) for n, chunk in enumerate(chunks)]
+        addends = list(carries)
+        for name, number in self._marks.items():
+            m.d.sync += getattr(self, name).eq(self._at(m, number, name))
+        if self._modulus < 1 << self._width:
+            # The greatest value is known, and so is what each chunk of it lacks.
+            lacks = [-part % (1 << CHUNK_BITS) for part in _split(self._modulus - 1, self._width)]
+            last = Signal()
+            ends = self._at(m, self._modulus - 1, "last")
+            odd = Cat(Const(lack & 1, 1) for lack in lacks)
+            m.d.sync += last.eq(ends)
+            with m.If(ends):
+                m.d.sync += carries.eq(odd)
+            addends = [
+                carry | (last.replicate(CHUNK_BITS) & (lack & ~1))
+                for carry, lack in zip(carries, lacks, strict=True)
+            ]
+        with m.If(self.step):
+            m.d.sync += [
+                chunk.eq(chunk + addend) for chunk, addend in zip(chunks, addends, strict=True)
+            ]
         return m
+
+    def _at(self, m: Module, number: int, name: str) -> Value:
+        """A tick ago the value was this number."""
+        parts = _split(number, self._width)
+        chunks = [self.value[part] for part in _chunks(self._width)]
+        at = Signal(len(parts), name=f"at_{name}", init=_bits(part == 0 for part in parts))
+        m.d.sync += at.eq(Cat(chunk == part for chunk, part in zip(chunks, parts, strict=True)))
+        return at.all()
 
 
 class ChunkedSum(wiring.Component):
@@ -61,22 +93,28 @@ class ChunkedSum(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         parts = _chunks(self._width)
-        carries = Signal(len(parts), init=self._carries_at_start(parts))
-        for n, part in enumerate(parts):
-            addend = (self._addend & (1 << part.stop) - 1) >> part.start
+        tops = [1 << part.stop for part in parts]
+        carried = _bits(self._start % top + self._addend % top >= top for top in tops)
+        carries = Signal(len(parts), init=carried)
+        for n, (part, addend) in enumerate(
+            zip(parts, _split(self._addend, self._width), strict=True)
+        ):
             below = carries[n - 1] if n else 0
             m.d.sync += Cat(self.total[part], carries[n]).eq(self.value[part] + addend + below)
         m.d.comb += self.overflow.eq(carries[-1] | (self._addend >> self._width != 0))
         return m
 
-    def _carries_at_start(self, parts: list[slice]) -> int:
-        found = 0
-        for n, part in enumerate(parts):
-            modulus = 1 << part.stop
-            found |= (self._start % modulus + self._addend % modulus) // modulus << n
-        return found
-
 
 def _chunks(width: int) -> list[slice]:
     """The bits of each chunk, the lowest first."""
     return [slice(at, min(at + CHUNK_BITS, width)) for at in range(0, width, CHUNK_BITS)]
+
+
+def _split(number: int, width: int) -> list[int]:
+    """The chunks of a number, of its lowest `width` bits."""
+    return [number % (1 << part.stop) >> part.start for part in _chunks(width)]
+
+
+def _bits(values: Iterable[bool]) -> int:
+    """A number of these bits, the lowest first."""
+    return sum(value << n for n, value in enumerate(values))

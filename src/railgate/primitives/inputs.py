@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out
@@ -47,7 +47,7 @@ class FilteredInput(wiring.Component):
         ]
         m.d.sync += [
             seats.eq(seats << 1),
-            held.eq(Mux(counts, held + 1, 0)),
+            held.eq((held + 1) & counts.replicate(len(held))),
             self.rise.eq(passes & synchronised),
             self.fall.eq(passes & ~synchronised),
         ]

@@ -72,8 +72,8 @@ class SerialTransmitter(wiring.Component):
         m = Module()
         size = max(self._width, self._tail_width)
         whole = self._width + self._tail_width
-        remaining = Signal(range(whole), init=whole - 1)  # with `more`: bits after the one sent
-        more = Signal()  # remaining is not 0
+        more = Signal()  # bits follow the one that is sent
+        remaining = Signal(range(whole), init=whole - 1, reset_less=True)  # with `more`: so many
         rest = Signal(size)
 
         bits = Signal(size)
@@ -90,15 +90,13 @@ class SerialTransmitter(wiring.Component):
                 self.valid.eq(self.start | more),
                 self.data.eq((self.start | more) & self.bit),
                 rest.eq(bits << 1),
+                remaining.eq(Mux(self.start, whole - 1, remaining - 1)),
+                more.eq(Mux(self.start, whole > 1, more & (remaining != 1))),
             ]
             if self._tail_width:
                 m.d.sync += tail_next.eq(
                     Mux(self.start, self._width == 1, remaining == self._tail_width + 1)
                 )
-        with m.If(self.strobe & self.start):
-            m.d.sync += [remaining.eq(whole - 1), more.eq(whole > 1)]
-        with m.Elif(self.strobe & more):
-            m.d.sync += [remaining.eq(remaining - 1), more.eq(remaining != 1)]
         return m
 
 

@@ -38,7 +38,6 @@ class Reader(wiring.Component):
 
     def __init__(self, config: Config) -> None:
         self._config = config
-        self._at_rise = config.input_delay_ticks + 4
         inputs = ("uef", "uef_rise", "uef_fall", "data", "data_edge")
         times = ("starts", "early", "open", "closes", "sample", "decided")
         super().__init__(
@@ -47,7 +46,7 @@ class Reader(wiring.Component):
                 "causes": Out(len(LINE_CAUSES)),
                 "complete": Out(1),
                 "word": Out(config.word_bits),
-                "since_rise": Out(range(config.delivery_ticks + 1), init=self._at_rise),
+                "since_rise": Out(range(config.delivery_ticks + 1)),
             }
             | ({"check": Out(config.check.width)} if config.check else {})
         )
@@ -83,15 +82,19 @@ class Reader(wiring.Component):
         last = Signal()  # one bit is lacking
         goes_on = begun | (lacking & ~ends)
         takes = Signal()
+        filled = samples & lacking & ~ends & last
         m.d.comb += takes.eq(samples & goes_on)
         m.d.sync += [
-            lacking.eq(goes_on & ~(takes & last)),
-            whole.eq((takes & last) | (whole & ~ends & ~samples)),
+            lacking.eq(goes_on & ~filled),
+            whole.eq(filled | (whole & ~ends & ~samples)),
             self.complete.eq((whole & ends) | (self.complete & ~self.starts)),
         ]
         events[Cause.SHORT] = lacking & ends
         events[Cause.LONG] = whole & samples & ~ends
-        m.d.sync += self.since_rise.eq(Mux(begun, self._at_rise, self.since_rise + 1))
+        at_rise = config.input_delay_ticks + 4
+        since_rise = Signal.like(self.since_rise, init=at_rise, reset_less=True)
+        m.d.comb += self.since_rise.eq(since_rise)
+        m.d.sync += since_rise.eq(Mux(begun, at_rise, since_rise + 1))
 
         taken = _later(m, takes, "taken")
         if config.guard_ticks:

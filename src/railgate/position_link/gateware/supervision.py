@@ -65,27 +65,26 @@ class Supervision(wiring.Component):
             last.eq(run == Mux(up, tolerated - 1, recovery - 1)),
             turns.eq(against & last),
         ]
+        longer = Signal()
+        m.d.sync += longer.eq(against & ~turns)
         with m.If(self.publish):
-            m.d.sync += run.eq(Mux(against & ~turns, run + 1, 0))
+            m.d.sync += run.eq(Mux(longer, run + 1, 0))
 
         # In START all deliveries so far were of faulty cycles, fewer than tolerated.
         first_turn = Signal(init=tolerated == 1)
         m.d.sync += first_turn.eq(self.number[: tolerated.bit_length()] == tolerated - 1)
 
+        starts = (self.health == Health.START) & ~first_turn
+        if_up, if_down = Signal(Health, name="if_up"), Signal(Health, name="if_down")
         status, health = Signal(Status), Signal(Health)  # of the next delivery
         renews = Signal()
         m.d.sync += [
             status.eq(Mux(up_next, Mux(self.good, Status.FRESH, Status.HELD), Status.FAULT)),
+            if_up.eq(Mux(self.good, Health.OK, Health.WARNING)),
+            if_down.eq(Mux(self.good, Health.RECOVERING, Mux(starts, Health.START, Health.ALARM))),
+            health.eq(Mux(up_next, if_up, if_down)),
             renews.eq(self.settled & (self.good | ~up_next)),
         ]
-        with m.If(up_next):
-            m.d.sync += health.eq(Mux(self.good, Health.OK, Health.WARNING))
-        with m.Elif(self.good):
-            m.d.sync += health.eq(Health.RECOVERING)
-        with m.Elif((self.health != Health.START) | first_turn):
-            m.d.sync += health.eq(Health.ALARM)
-        with m.Else():
-            m.d.sync += health.eq(Health.START)
         with m.If(self.publish):
             m.d.sync += [
                 self.status.eq(status),
@@ -98,8 +97,9 @@ class Supervision(wiring.Component):
     def _age(self, m: Module) -> None:
         """The age in cycles."""
         never = (1 << len(self.age)) - 1
+        oldest = Signal(init=1)  # the age was its greatest value a tick ago
         older = Signal.like(self.age, init=never)
-        m.d.sync += older.eq(Mux(self.age == never, never, self.age + 1))
+        m.d.sync += [oldest.eq(self.age == never), older.eq(self.age + ~oldest)]
         with m.If(self.publish):
             m.d.sync += self.age.eq(Mux(self.good, 0, older))
 
@@ -111,9 +111,8 @@ class Supervision(wiring.Component):
         following = Signal(width)
         since_rise = Mux(self.since_rise > old, old, self.since_rise)
         m.d.comb += older.value.eq(self.age_ticks)
-        m.d.sync += following.eq(
-            Mux(self.good, since_rise, Mux(older.overflow, old, older.total))
-        )
+        too_old = (older.overflow & ~self.good).replicate(width)
+        m.d.sync += following.eq(Mux(self.good, since_rise, older.total) | too_old)
         with m.If(self.publish):
             m.d.sync += self.age_ticks.eq(following)
 
@@ -122,7 +121,7 @@ class Supervision(wiring.Component):
         counted = {f"{name}_cycles": found for name, found in zip(cause_names(), self.found)}
         counted |= {"number": Const(1), "faulty_cycles": ~self.good}
         for name, found in counted.items():
-            m.submodules[f"count_{name}"] = count = LookaheadCounter(len(getattr(self, name)))
+            m.submodules[f"count_{name}"] = count = LookaheadCounter(1 << len(getattr(self, name)))
             m.d.sync += count.step.eq(self.settled & found)
             m.d.comb += getattr(self, name).eq(count.value)
 
@@ -140,7 +139,7 @@ class Supervision(wiring.Component):
             Cat(low, carry).eq(low + sum_late),
             low_late.eq(low),
         ]
-        m.submodules.high = high = LookaheadCounter(len(self.rejected_glitches) - LOW_BITS)
+        m.submodules.high = high = LookaheadCounter(1 << len(self.rejected_glitches) - LOW_BITS)
         m.d.comb += high.step.eq(carry)
         with m.If(self.publish):
             m.d.sync += self.rejected_glitches.eq(Cat(low_late, high.value))

@@ -22,8 +22,8 @@ class BitClock(wiring.Component):
     clk: out, 1 bit, the line. rises, falls: out, 1 bit, in the tick before such an edge. One out
     of the name of each mark, 1 bit, in the tick before this edge. All are registers.
 
-    Its register `edge` is a tick ahead of them. `half` counts with it, and with each mark's edge
-    the register `next_…` is 1. Without delay, edge 0 is over before tick 0: there 1 is the first.
+    Its register `edge` is a tick ahead of them; `half` counts it, from edge 0 or, without delay,
+    from edge 1 on, because there edge 0 is over before tick 0.
     """
 
     def __init__(self, config: Config, marks: Mapping[str, int], delay_ticks: int = 0) -> None:
@@ -47,20 +47,15 @@ class BitClock(wiring.Component):
         m.d.sync += edge.eq(divider.strobe)
 
         edges = 2 * config.cycle_bits
-        m.submodules.half = half = LookaheadCounter((edges - 1).bit_length())
-        known = {}
-        for name, number in {"last": edges - 1 + self._first, **self._marks}.items():
-            at = (number - self._first) % edges
-            known[name] = Signal(name=f"next_{name}", init=at == 0)
-            with m.If(edge):
-                m.d.sync += known[name].eq(half.value == (at - 1) % edges)
+        marks = {name: (at - self._first) % edges for name, at in self._marks.items()}
+        m.submodules.half = half = LookaheadCounter(edges, marks)
         odd = half.value[0] ^ self._first
-        m.d.comb += [half.step.eq(edge), half.clear.eq(edge & known["last"])]
+        m.d.comb += half.step.eq(edge)
         m.d.sync += [
             self.clk.eq(odd),
             self.rises.eq(edge & ~odd),
             self.falls.eq(edge & odd),
-            *(getattr(self, name).eq(edge & known[name]) for name in self._marks),
+            *(getattr(self, name).eq(edge & getattr(half, name)) for name in marks),
         ]
         return m
 

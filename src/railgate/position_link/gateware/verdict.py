@@ -11,7 +11,7 @@ from railgate.position_link.spec import Cause, Config
 
 __all__ = ["Verdict"]
 
-CHUNK_BITS = 8
+CHUNK_BITS = 4
 """So many bits become one in one tick."""
 
 
