@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 __all__ = ["ChunkedSum", "LookaheadCounter"]
 
-CHUNK_BITS = 8
+CHUNK_BITS = 4
 
 
 class LookaheadCounter(wiring.Component):
@@ -36,32 +36,25 @@ class LookaheadCounter(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         chunks = [self.value[part] for part in _chunks(self._width)]
-        size = len(chunks)
-        full, carries = Signal(size, name="full"), Signal(size, init=1, name="carries")
-        m.d.sync += [
-            full.eq(Cat(chunk.all() for chunk in chunks)),
-            carries.eq(Cat(full[:n].all() for n in range(size))),
-        ]
-        addends = list(carries)
         for name, number in self._marks.items():
             m.d.sync += getattr(self, name).eq(self._at(m, number, name))
-        if self._modulus < 1 << self._width:
-            # The greatest value is known, and so is what each chunk of it lacks.
-            lacks = [-part % (1 << CHUNK_BITS) for part in _split(self._modulus - 1, self._width)]
-            last = Signal()
-            ends = self._at(m, self._modulus - 1, "last")
-            odd = Cat(Const(lack & 1, 1) for lack in lacks)
-            m.d.sync += last.eq(ends)
-            with m.If(ends):
-                m.d.sync += carries.eq(odd)
-            addends = [
-                carry | (last.replicate(CHUNK_BITS) & (lack & ~1))
-                for carry, lack in zip(carries, lacks, strict=True)
-            ]
-        with m.If(self.step):
-            m.d.sync += [
-                chunk.eq(chunk + addend) for chunk, addend in zip(chunks, addends, strict=True)
-            ]
+        wraps = self._modulus < 1 << self._width  # other than by itself
+        ends = self._at(m, self._modulus - 1, "last") if wraps else Const(0)
+
+        full = Signal(len(chunks))
+        carries = Signal(len(chunks), init=1)
+        last = Signal()
+        m.d.sync += [full.eq(Cat(chunk.all() for chunk in chunks)), last.eq(ends)]
+        for n, (chunk, greatest) in enumerate(
+            zip(chunks, _split(self._modulus - 1, self._width), strict=True)
+        ):
+            # What leads from its greatest value to 0; the carry is the lowest bit of it.
+            lacks = -greatest if wraps else 0
+            carry = full[:n].all()
+            m.d.sync += carries[n].eq((carry | ends) if lacks & 1 else (carry & ~ends))
+            addend = carries[n] | (last.replicate(len(chunk)) & (lacks & ~1))
+            with m.If(self.step):
+                m.d.sync += chunk.eq(chunk + addend)
         return m
 
     def _at(self, m: Module, number: int, name: str) -> Value:

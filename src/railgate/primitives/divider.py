@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Const, Module, Mux, Signal, signed
+from amaranth.hdl import Module, Mux, Signal, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import Out
 
@@ -33,10 +33,15 @@ class FractionalDivider(wiring.Component):
         lowest = min(self._start, after_strobe)
         width = 1 + max(self._numerator - 1, -lowest - 1).bit_length()
         remainder = Signal(signed(width), init=self._start)
-        # The remainder is below the numerator: at a slow rate, no strobe follows another at once.
-        again = remainder >= -after_strobe if self._numerator > -after_strobe else Const(0)
+        # It is negative, but not with a numerator more. The bits below the numerator's last 1 do
+        # not tell, and where there is but one 1, the bits above are all ones.
+        low = (self._numerator & -self._numerator).bit_length() - 1
+        above, odd = remainder[low:], self._numerator >> low
+        soon = above.all() if odd == 1 else above >= (1 << len(above)) - odd
+        again = self.strobe & (remainder >= -after_strobe)
+        slow = self._numerator <= -after_strobe  # the remainder is below the numerator
         m.d.sync += [
             remainder.eq(remainder + Mux(self.strobe, after_strobe, self._numerator)),
-            self.strobe.eq(Mux(self.strobe, again, remainder + self._numerator >= 0)),
+            self.strobe.eq(soon if slow else soon | again),
         ]
         return m

@@ -76,7 +76,6 @@ class Reader(wiring.Component):
         ends = _later(m, self.uef_fall, "ends")
         samples = _later(m, self.sample, "samples")
         data = _later(m, self.data, "data_then")
-        data_edge = _later(m, self.data_edge, "data_moved")
         lacking = Signal()
         whole = Signal()
         last = Signal()  # one bit is lacking
@@ -91,25 +90,28 @@ class Reader(wiring.Component):
         ]
         events[Cause.SHORT] = lacking & ends
         events[Cause.LONG] = whole & samples & ~ends
+        happened = _later(m, Cat(events.values()), "happened")
         at_rise = config.input_delay_ticks + 4
         since_rise = Signal.like(self.since_rise, init=at_rise, reset_less=True)
         m.d.comb += self.since_rise.eq(since_rise)
         m.d.sync += since_rise.eq(Mux(begun, at_rise, since_rise + 1))
 
+        # Two ticks later: the bits taken, and how still DATA held around them.
         taken = _later(m, takes, "taken")
-        if config.guard_ticks:
-            events[Cause.UNSTABLE] = data_edge & (takes | taken)
-        if config.guard_ticks > 1:
-            m.submodules.holding = holding = OneShot(config.guard_ticks - 1)
-            m.submodules.settling = settling = OneShot(config.guard_ticks - 1)
-            m.d.comb += [holding.trigger.eq(taken), settling.trigger.eq(data_edge)]
-            events[Cause.UNSTABLE] |= (data_edge & holding.active) | (takes & settling.active)
-
-        happened = _later(m, Cat(events.values()), "happened")
-        m.d.sync += self.causes.eq(Mux(self.decided, 0, self.causes) | happened)
-
-        # Two ticks later: the bits taken.
         bit = _later(m, data, "bit")
+        moved = _later(m, _later(m, self.data_edge, "moves"), "moved")
+        unstable = Signal(len(LINE_CAUSES))
+        if config.guard_ticks:
+            m.submodules.holding = holding = OneShot(config.guard_ticks)
+            m.d.comb += holding.trigger.eq(taken)
+            found = moved & (taken | holding.active)
+            if config.guard_ticks > 1:
+                m.submodules.settling = settling = OneShot(config.guard_ticks - 1)
+                m.d.comb += settling.trigger.eq(moved)
+                found |= taken & settling.active
+            m.d.comb += unstable[LINE_CAUSES.index(Cause.UNSTABLE)].eq(found)
+        m.d.sync += self.causes.eq(Mux(self.decided, 0, self.causes) | happened | unstable)
+
         bits = Signal(range(config.word_bits + 1))
         with m.If(taken):
             m.d.sync += [

@@ -59,14 +59,14 @@ class Supervision(wiring.Component):
         run = Signal(range(max(tolerated, recovery)))
         last = Signal(init=recovery == 1)  # with one more, the run is long enough
         against = up ^ self.good  # faulty while up, good while down: `run` of them before
-        turns = Signal()
-        up_next = up ^ turns
+        turns = against & last
+        longer = Signal()
+        up_next = Signal()
         m.d.sync += [
             last.eq(run == Mux(up, tolerated - 1, recovery - 1)),
-            turns.eq(against & last),
+            longer.eq(against & ~turns),
+            up_next.eq(up ^ turns),
         ]
-        longer = Signal()
-        m.d.sync += longer.eq(against & ~turns)
         with m.If(self.publish):
             m.d.sync += run.eq(Mux(longer, run + 1, 0))
 
@@ -97,9 +97,9 @@ class Supervision(wiring.Component):
     def _age(self, m: Module) -> None:
         """The age in cycles."""
         never = (1 << len(self.age)) - 1
-        oldest = Signal(init=1)  # the age was its greatest value a tick ago
+        grows = Signal()  # the age was not its greatest value a tick ago
         older = Signal.like(self.age, init=never)
-        m.d.sync += [oldest.eq(self.age == never), older.eq(self.age + ~oldest)]
+        m.d.sync += [grows.eq(self.age != never), older.eq(self.age + grows)]
         with m.If(self.publish):
             m.d.sync += self.age.eq(Mux(self.good, 0, older))
 

@@ -56,8 +56,13 @@ class Verdict(wiring.Component):
         m.d.sync += is_fault_word.eq(self.complete & ~differs)
         if config.zero_is_fault:
             m.d.sync += is_zero.eq(self.complete & ~_any(m, self.word, "nonzero"))
-        m.d.comb += self.causes.eq(Cat(line, check_fails, is_fault_word, is_zero))
-        m.d.sync += self.good.eq(self.complete & (self.causes == 0))
+        of_word = Cat(check_fails, is_fault_word, is_zero)
+        sound = Signal()
+        m.d.comb += self.causes.eq(Cat(line, of_word))
+        m.d.sync += [
+            sound.eq(self.complete & (of_word == 0)),
+            self.good.eq(sound & (line == 0)),
+        ]
         return m
 
 
