@@ -90,13 +90,15 @@ class SerialTransmitter(wiring.Component):
                 self.valid.eq(self.start | more),
                 self.data.eq((self.start | more) & self.bit),
                 rest.eq(bits << 1),
-                remaining.eq(Mux(self.start, whole - 1, remaining - 1)),
-                more.eq(Mux(self.start, whole > 1, more & (remaining != 1))),
+                remaining.eq(remaining - 1),
+                more.eq(more & (remaining != 1)),
             ]
             if self._tail_width:
-                m.d.sync += tail_next.eq(
-                    Mux(self.start, self._width == 1, remaining == self._tail_width + 1)
-                )
+                m.d.sync += tail_next.eq(remaining == self._tail_width + 1)
+        with m.If(self.start):
+            m.d.sync += [remaining.eq(whole - 1), more.eq(whole > 1)]
+            if self._tail_width:
+                m.d.sync += tail_next.eq(self._width == 1)
         return m
 
 

@@ -76,10 +76,11 @@ class Supervision(wiring.Component):
 
         starts = (self.health == Health.START) & ~first_turn
         if_up, if_down = Signal(Health, name="if_up"), Signal(Health, name="if_down")
-        status, health = Signal(Status), Signal(Health)  # of the next delivery
+        # Of the next delivery; FAULT is 0.
+        status, health = Signal(Status, name="next_status"), Signal(Health, name="next_health")
         renews = Signal()
         m.d.sync += [
-            status.eq(Mux(up_next, Mux(self.good, Status.FRESH, Status.HELD), Status.FAULT)),
+            status.eq(Mux(self.good, Status.FRESH, Status.HELD) & up_next.replicate(2)),
             if_up.eq(Mux(self.good, Health.OK, Health.WARNING)),
             if_down.eq(Mux(self.good, Health.RECOVERING, Mux(starts, Health.START, Health.ALARM))),
             health.eq(Mux(up_next, if_up, if_down)),
@@ -132,7 +133,9 @@ class Supervision(wiring.Component):
             later = Signal(2, name=f"glitches_{stage}")
             m.d.sync += later.eq(late)
             late = later
-        sum_late, low, low_late = Signal(2), Signal(LOW_BITS), Signal(LOW_BITS)
+        sum_late = Signal(2)
+        low = Signal(LOW_BITS)
+        low_late = Signal(LOW_BITS)
         carry = Signal()
         m.d.sync += [
             sum_late.eq(late[0] + late[1]),

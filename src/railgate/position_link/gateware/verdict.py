@@ -43,8 +43,9 @@ class Verdict(wiring.Component):
         config = self._config
 
         line = Signal(len(LINE_CAUSES))
+        clear = Signal(init=1)  # nothing in line
         with m.If(self.decided):
-            m.d.sync += line.eq(self.seen)
+            m.d.sync += [line.eq(self.seen), clear.eq(self.seen == 0)]
 
         check_fails = Signal()
         is_fault_word = Signal()
@@ -61,7 +62,7 @@ class Verdict(wiring.Component):
         m.d.comb += self.causes.eq(Cat(line, of_word))
         m.d.sync += [
             sound.eq(self.complete & (of_word == 0)),
-            self.good.eq(sound & (line == 0)),
+            self.good.eq(sound & clear),
         ]
         return m
 
