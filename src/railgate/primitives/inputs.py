@@ -38,22 +38,20 @@ class FilteredInput(wiring.Component):
 
         seats = Signal(STAGES + 1, init=1)  # the last bit: the pin's first level is synchronised
         held = Signal(range(self._filter_ticks + 1))  # for so long before this tick
-        full = Signal(init=self._filter_ticks == 0)  # held is filter_ticks
+        full = Signal(init=self._filter_ticks == 0)  # the other level passes
         other = synchronised != self.level
-        counts, passes = Signal(), Signal()
-        m.d.comb += [
-            counts.eq(other & ~full & ~seats[-1]),
-            passes.eq(other & full & ~seats[-1]),
-        ]
+        counts = other & ~full
+        passes = Signal()
+        m.d.comb += passes.eq(other & full)
         m.d.sync += [
             seats.eq(seats << 1),
             held.eq((held + 1) & counts.replicate(len(held))),
-            self.rise.eq(passes & synchronised),
-            self.fall.eq(passes & ~synchronised),
+            self.rise.eq(passes & synchronised & ~seats[-1]),
+            self.fall.eq(passes & ~synchronised & ~seats[-1]),
         ]
         if self._filter_ticks:
-            m.d.sync += full.eq(counts & (held == self._filter_ticks - 1))
-        with m.If(passes | seats[-1]):
+            m.d.sync += full.eq(seats[-2] | (counts & (held == self._filter_ticks - 1)))
+        with m.If(passes):
             m.d.sync += self.level.eq(synchronised)
         m.d.comb += self.glitch.eq((held != 0) & (synchronised == self.level))
         return m

@@ -189,7 +189,9 @@ CLAIMS = (
         method=Induction(),
         cover=TWO_CYCLES,
         mutants=(
-            _divider("starts-late", "remainder >= 0", "remainder > 0", Search(4)),
+            mutant(
+                "starts-late", "timing", "self._delay_ticks - 2", "self._delay_ticks - 1", Search(4)
+            ),
             _divider(
                 "carry-off-by-one",
                 "self._numerator - self._denominator",
