@@ -69,7 +69,7 @@ class Reader(wiring.Component):
         events[Cause.EARLY] = self.uef_rise & self.early
         events[Cause.UNREQUESTED] = self.uef_rise & ~self.early & ~begins
         for cause in (Cause.STUCK, Cause.TIMEOUT, Cause.EARLY, Cause.UNREQUESTED):
-            events[cause] = _later(m, events[cause], cause.name.lower())
+            events[cause] = _later(m, events[cause], f"found_{cause.name}".lower())
 
         # A tick later: the answer under way, one that lacks bits and one that has them all.
         begun = _later(m, begins, "begun")

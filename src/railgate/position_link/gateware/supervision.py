@@ -108,7 +108,7 @@ class Supervision(wiring.Component):
         """The age in ticks; from one delivery to the next these are cycle_ticks."""
         width = len(self.age_ticks)
         old = (1 << width) - 1
-        m.submodules.older = older = ChunkedSum(width, self._config.cycle_ticks, start=old)
+        m.submodules.ticks_older = older = ChunkedSum(width, self._config.cycle_ticks, start=old)
         following = Signal(width)
         since_rise = Mux(self.since_rise > old, old, self.since_rise)
         m.d.comb += older.value.eq(self.age_ticks)

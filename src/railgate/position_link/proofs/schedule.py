@@ -11,7 +11,7 @@ from amaranth.lib.wiring import Out
 from railgate.position_link.spec import Config
 from railgate.proving import Internals
 
-__all__ = ["Cycle"]
+__all__ = ["CHUNK_BITS", "Cycle"]
 
 CHUNK_BITS = 4
 """Of the gateware's counters."""
