@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
 from railgate.position_link.proofs.schedule import CHUNK_BITS
 from railgate.position_link.proofs.stimuli import GOOD, NOTHING, Answer, mutant, run
@@ -49,7 +49,11 @@ class _Age(Supervised):
             self.lemma.since.eq(
                 ~reading.answered
                 | cycle.at(0)
-                | (inner["reader.begun"] | (since == (reading.since + 2)[: len(since)]))
+                | Mux(
+                    inner["reader.begun"],
+                    reading.since == config.input_delay_ticks + 1,
+                    since == (reading.since + 2)[: len(since)],
+                )
                 & (reading.since + wraps <= config.input_delay_ticks + phase + delivered)
             ),
             self.lemma.phase.eq(cycle.tick + wraps == phase + delivered),

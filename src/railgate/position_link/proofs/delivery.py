@@ -5,8 +5,8 @@ from __future__ import annotations
 from amaranth.hdl import Cat, Module, Signal, Value
 
 from railgate.position_link.proofs.clock import TWO_CYCLES, Timed
-from railgate.position_link.proofs.observed import schedule
-from railgate.position_link.proofs.schedule import CHUNK_BITS, Cycle
+from railgate.position_link.proofs.observed import numbered, schedule
+from railgate.position_link.proofs.schedule import Cycle
 from railgate.position_link.proofs.stimuli import mutant
 from railgate.position_link.spec import cause_names
 from railgate.proving import Claim, Induction, Internals, Run
@@ -43,7 +43,9 @@ class _Delivery(Timed):
             ),
             self.lemma.schedule.eq(schedule(inner, config, late)),
             self.lemma.counted.eq(
-                self._counted(inner, late, deliveries_now) & self._chosen(inner, late)
+                (inner["number"] == deliveries_now)
+                & numbered(inner, config, late)
+                & self._chosen(inner, late)
             ),
             self.holds.eq(
                 (delivery == now.at(config.delivery_ticks))
@@ -54,28 +56,14 @@ class _Delivery(Timed):
         ]
         return m
 
-    def _counted(self, inner: Internals, late: Cycle, deliveries: Value) -> Value:
-        """The number, and what it looks ahead some ticks after it has changed."""
-        decision = self.config.decision_ticks - self.config.input_delay_ticks
-        path, latency = "supervision.count_number", self.config.delivery_latency_ticks
-        number, changed = inner["number"], inner["delivery"]
-        parts = range(0, len(number), CHUNK_BITS)
-        full = Cat(number[at : at + CHUNK_BITS].all() for at in parts)
-        carries = Cat(full[:n].all() for n in range(len(full)))
-        return Cat(
-            number == deliveries,
-            changed | (inner[f"{path}.full"] == full),
-            changed | late.at(decision + latency + 1) | (inner[f"{path}.carries"] == carries),
-        ).all()
-
     def _chosen(self, inner: Internals, late: Cycle) -> Value:
         """What changes fields, in the tick before a delivery alone."""
-        counts = ("number", "faulty_cycles", *(f"{name}_cycles" for name in cause_names()))
+        counts = ("faulty_cycles", *(f"{name}_cycles" for name in cause_names()))
         steps = [inner[f"supervision.count_{name}.step"] for name in counts]
         decision = self.config.decision_ticks - self.config.input_delay_ticks
         publishes = late.at(decision + self.config.delivery_latency_ticks - 1)
         anything = Cat(inner["supervision.renews"], *steps).any()
-        return (steps[0] == publishes) & (~anything | publishes)
+        return ~anything | publishes
 
 
 CLAIMS = (

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from amaranth.hdl import Cat, Const, Module, Mux, Value
 
 from railgate.position_link.proofs.reading import Reading
+from railgate.position_link.proofs.schedule import CHUNK_BITS as COUNTER_CHUNK_BITS
 from railgate.position_link.proofs.schedule import Cycle
 from railgate.position_link.spec import Cause, Config, Edge
 from railgate.proving import Internals, Monitor
 
-__all__ = ["Observed", "schedule"]
+__all__ = ["Observed", "numbered", "schedule"]
 
 READING = ("divider", "schedule", "pins", "reader", "timers", "later", "ends", "verdict")
 STANDS = 10
@@ -34,6 +35,24 @@ def schedule(inner: Internals, config: Config, cycle: Cycle) -> Value:
         inner["timing.closes"] == cycle.at(closes),
         inner["timing.sample"] == (cycle.edge & falls),
         *(since[n] == cycle.at(decision + n) for n in range(latency + 1)),
+    ).all()
+
+
+def numbered(inner: Internals, config: Config, cycle: Cycle) -> Value:
+    """The number of the delivery has its step a tick before it, and what it looks ahead is right
+    some ticks after it."""
+    path, number = "supervision.count_number", inner["number"]
+    delivery = config.delivery_ticks - config.input_delay_ticks
+    full = Cat(
+        number[at : at + COUNTER_CHUNK_BITS].all()
+        for at in range(0, len(number), COUNTER_CHUNK_BITS)
+    )
+    carries = Cat(full[:n].all() for n in range(len(full)))
+    changed = [cycle.at(delivery + n) for n in range(2)]
+    return Cat(
+        inner[f"{path}.step"] == cycle.at(delivery - 1),
+        changed[0] | (inner[f"{path}.full"] == full),
+        changed[0] | changed[1] | (inner[f"{path}.carries"] == carries),
     ).all()
 
 

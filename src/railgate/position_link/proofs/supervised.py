@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.position_link.proofs.observed import Observed
+from railgate.position_link.proofs.observed import Observed, numbered
 from railgate.position_link.spec import Config, Health, Status
 from railgate.proving import Internals
 
@@ -83,7 +83,7 @@ class Supervised(Observed):
         never = (1 << config.age_bits) - 1
         age, settling = inner["age"], told | reading.after_decision(latency + 1)
         return Cat(
-            inner["supervision.count_number.step"] == reading.after_decision(latency - 1),
+            numbered(inner, config, reading.cycle),
             told | (inner["supervision.last"] == last),
             told | (inner["supervision.first_turn"] == first_turn),
             told | (inner["supervision.grows"] == (age != never)),
