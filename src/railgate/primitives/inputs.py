@@ -19,8 +19,8 @@ class FilteredInput(wiring.Component):
     and neither edges nor glitches are told before tick 4.
 
     pin: in, 1 bit, asynchronous. level: out, 1 bit, register, filtered. rise, fall: out, 1 bit,
-    registers, in the tick in which `level` is new. glitch: out, 1 bit, in the tick in which a level that was held for at
-    most `filter_ticks` has gone. Requirement ODO-9.
+    registers, in the tick in which `level` is new. glitch: out, 1 bit, in the tick in which a level
+    that was held for at most `filter_ticks` has gone. Requirement ODO-9.
     """
 
     def __init__(self, filter_ticks: int) -> None:

@@ -147,9 +147,7 @@ CLAIMS = (
                 "held == self._filter_ticks - 1)",
                 "held == self._filter_ticks - 1 - self.level)",
             ),
-            _mutant(
-                "edge-at-start", "passes & synchronised & ~seats[-1]", "passes & synchronised"
-            ),
+            _mutant("edge-at-start", "passes & synchronised & ~seats[-1]", "passes & synchronised"),
         ),
     ),
 )

@@ -119,7 +119,9 @@ class Supervision(wiring.Component):
 
     def _counts(self, m: Module) -> None:
         """The deliveries, the faulty ones, and those with each cause."""
-        counted = {f"{name}_cycles": found for name, found in zip(cause_names(), self.found)}
+        counted = {
+            f"{name}_cycles": found for name, found in zip(cause_names(), self.found, strict=True)
+        }
         counted |= {"number": Const(1), "faulty_cycles": ~self.good}
         for name, found in counted.items():
             m.submodules[f"count_{name}"] = count = LookaheadCounter(1 << len(getattr(self, name)))

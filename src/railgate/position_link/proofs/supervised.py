@@ -100,8 +100,7 @@ class Supervised(Observed):
                 inner["supervision.next_status"] == status,
                 inner["supervision.next_health"] == Mux(up_next, if_up, if_down),
             ),
-            inner["supervision.renews"]
-            == (reading.after_decision(TURNS + 1) & (good | ~up_next)),
+            inner["supervision.renews"] == (reading.after_decision(TURNS + 1) & (good | ~up_next)),
         ).all()
 
     def _runs(self, inner: Internals) -> Value:
