@@ -166,7 +166,7 @@ def test_each_cause_is_counted_once_a_cycle_and_counts_wrap():
     engine.restore(start)
     wrapping = ("number", "faulty_cycles", "early_cycles", "unrequested_cycles")
     for name in wrapping:
-        engine.poke(f"supervision.{name}", 255)
+        engine.poke(f"supervision.count_{name}.value", 255)
     end = begin(config, 2)
     first, second = deliveries(config, engine.advance(end, stimulus(config, [many], end)))
     assert first["causes"] == Cause.TIMEOUT | Cause.UNREQUESTED

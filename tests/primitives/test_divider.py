@@ -43,6 +43,12 @@ def test_the_delay_moves_all_strobes_and_none_comes_before_it(ratio):
         assert strobes(250, *ratio, delay) == expected(250, *ratio, delay)
 
 
+@pytest.mark.parametrize("ratio", [(1, 8), (1, 7), (2, 9), (3, 20), (16, 625)])
+def test_strobe_0_is_over_before_tick_0_where_the_delay_is_negative(ratio):
+    for delay in (-1, -2, -4):
+        assert strobes(250, *ratio, delay) == expected(250, *ratio, delay)[1:]
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.integers(1, 60), st.integers(0, 80), st.integers(0, 30))
 def test_every_strobe_is_in_the_tick_of_its_number(numerator, more, delay):

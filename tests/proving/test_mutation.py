@@ -47,7 +47,7 @@ def test_it_is_whole_again_after_an_error_too() -> None:
     assert importlib.import_module(INPUTS).STAGES == 2
 
 
-@pytest.mark.parametrize(("old", "times"), [("STAGES = 7", 0), ("STAGES", 7)])
+@pytest.mark.parametrize(("old", "times"), [("STAGES = 7", 0), ("STAGES", 3)])
 def test_a_patch_fits_just_once(old: str, times: int) -> None:
     with pytest.raises(ValueError, match=rf"must be in {INPUTS} just once, not {times} times"):
         patched(Mutant("odd", INPUTS, old, "x"))

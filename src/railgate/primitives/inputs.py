@@ -18,9 +18,9 @@ class FilteredInput(wiring.Component):
     The level at start counts as no edge: until it has come through, in tick 3, the output is 0,
     and neither edges nor glitches are told before tick 4.
 
-    pin: in, 1 bit, asynchronous. level: out, 1 bit, filtered. rise, fall: out, 1 bit, in the tick
-    in which `level` is new. glitch: out, 1 bit, in the tick in which a level that was held for at
-    most `filter_ticks` has gone. Requirement ODO-9.
+    pin: in, 1 bit, asynchronous. level: out, 1 bit, register, filtered. rise, fall: out, 1 bit,
+    registers, in the tick in which `level` is new. glitch: out, 1 bit, in the tick in which a level
+    that was held for at most `filter_ticks` has gone. Requirement ODO-9.
     """
 
     def __init__(self, filter_ticks: int) -> None:
@@ -36,26 +36,22 @@ class FilteredInput(wiring.Component):
             self.pin, synchronised, reset_less=False, stages=STAGES
         )
 
-        # Seats the level when the pin's first one leaves the synchroniser, then tells edges.
-        age = Signal(range(STAGES + 3))
-        with m.If(age != STAGES + 2):
-            m.d.sync += age.eq(age + 1)
-
-        held = Signal(range(self._filter_ticks + 1))
-        previous = Signal()
-        m.d.sync += [previous.eq(self.level), held.eq(0)]
-        with m.If(age == STAGES):
-            m.d.sync += self.level.eq(synchronised)
-        with m.Elif((age > STAGES) & (synchronised != self.level)):
-            with m.If(held == self._filter_ticks):
-                m.d.sync += self.level.eq(synchronised)
-            with m.Else():
-                m.d.sync += held.eq(held + 1)
-
-        edge = (age == STAGES + 2) & (self.level != previous)
-        m.d.comb += [
-            self.rise.eq(edge & self.level),
-            self.fall.eq(edge & ~self.level),
-            self.glitch.eq((held != 0) & (synchronised == self.level)),
+        seats = Signal(STAGES + 1, init=1)  # the last bit: the pin's first level is synchronised
+        held = Signal(range(self._filter_ticks + 1))  # for so long before this tick
+        full = Signal(init=self._filter_ticks == 0)  # the other level passes
+        other = synchronised != self.level
+        counts = other & ~full
+        passes = Signal()
+        m.d.comb += passes.eq(other & full)
+        m.d.sync += [
+            seats.eq(seats << 1),
+            held.eq((held + 1) & counts.replicate(len(held))),
+            self.rise.eq(passes & synchronised & ~seats[-1]),
+            self.fall.eq(passes & ~synchronised & ~seats[-1]),
         ]
+        if self._filter_ticks:
+            m.d.sync += full.eq(seats[-2] | (counts & (held == self._filter_ticks - 1)))
+        with m.If(passes):
+            m.d.sync += self.level.eq(synchronised)
+        m.d.comb += self.glitch.eq((held != 0) & (synchronised == self.level))
         return m

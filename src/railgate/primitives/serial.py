@@ -71,32 +71,34 @@ class SerialTransmitter(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         size = max(self._width, self._tail_width)
-        remaining = Signal(range(self._width + self._tail_width))
+        whole = self._width + self._tail_width
+        more = Signal()  # bits follow the one that is sent
+        remaining = Signal(range(whole), init=whole - 1, reset_less=True)  # with `more`: so many
         rest = Signal(size)
 
         bits = Signal(size)
-        sends = Signal()
-        m.d.comb += [
-            sends.eq(self.start | (remaining != 0)),
-            bits.eq(rest),
-            self.bit.eq(bits[-1]),
-        ]
+        m.d.comb += [bits.eq(rest), self.bit.eq(bits[-1])]
         with m.If(self.start):
             m.d.comb += bits.eq(_aligned(self.frame, size))
         if self._tail_width:
-            with m.Elif(remaining == self._tail_width):
+            tail_next = Signal()  # remaining is tail_width
+            with m.Elif(tail_next):
                 m.d.comb += bits.eq(_aligned(self.tail, size))
 
         with m.If(self.strobe):
             m.d.sync += [
-                self.valid.eq(sends),
-                self.data.eq(sends & self.bit),
+                self.valid.eq(self.start | more),
+                self.data.eq((self.start | more) & self.bit),
                 rest.eq(bits << 1),
+                remaining.eq(remaining - 1),
+                more.eq(more & (remaining != 1)),
             ]
-            with m.If(self.start):
-                m.d.sync += remaining.eq(self._width + self._tail_width - 1)
-            with m.Elif(sends):
-                m.d.sync += remaining.eq(remaining - 1)
+            if self._tail_width:
+                m.d.sync += tail_next.eq(remaining == self._tail_width + 1)
+        with m.If(self.start):
+            m.d.sync += [remaining.eq(whole - 1), more.eq(whole > 1)]
+            if self._tail_width:
+                m.d.sync += tail_next.eq(self._width == 1)
         return m
 
 

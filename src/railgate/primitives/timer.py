@@ -14,7 +14,7 @@ class OneShot(wiring.Component):
 
     trigger: in, 1 bit. remaining: out, register, how many of these ticks are left with this one:
     `ticks` in the tick after the trigger, then one less each, 0 where none is. active: out, 1 bit,
-    it is not 0.
+    register, it is not 0.
     """
 
     def __init__(self, ticks: int) -> None:
@@ -23,9 +23,11 @@ class OneShot(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        m.d.comb += self.active.eq(self.remaining != 0)
         with m.If(self.trigger):
-            m.d.sync += self.remaining.eq(self._ticks)
+            m.d.sync += [self.remaining.eq(self._ticks), self.active.eq(1)]
         with m.Elif(self.active):
-            m.d.sync += self.remaining.eq(self.remaining - 1)
+            m.d.sync += [
+                self.remaining.eq(self.remaining - 1),
+                self.active.eq(self.remaining != 1),
+            ]
         return m

@@ -32,17 +32,18 @@ class Channel(wiring.Component):
     """A pin as the contract has it where filter_ticks = 0: f[k] = pin[k - 3] from tick 3 on.
 
     pin: in, 1 bit. level: out, 1 bit, f[k]. rise, fall: out, 1 bit, an edge in this tick, from
-    tick 4 on.
+    tick 4 on. before: out, 1 bit, f[k - 1]. ticks: since reset, SEATED + 1 at most.
     """
 
     def __init__(self) -> None:
-        super().__init__({"pin": In(1), "level": Out(1), "rise": Out(1), "fall": Out(1)})
+        outs = ("level", "rise", "fall", "before")
+        super().__init__({"pin": In(1)} | {name: Out(1) for name in outs})
         self._past = Signal(SEATED + 1)
-        self._ticks = Signal(range(SEATED + 2))
+        self.ticks = Signal(range(SEATED + 2))
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        ticks, before = self._ticks, self._past[SEATED]
+        ticks = self.ticks
         m.d.sync += [
             self._past.eq(Cat(self.pin, self._past)),
             ticks.eq(Mux(ticks == SEATED + 1, ticks, ticks + 1)),
@@ -50,8 +51,9 @@ class Channel(wiring.Component):
         told = ticks == SEATED + 1
         m.d.comb += [
             self.level.eq((ticks >= SEATED) & self._past[SEATED - 1]),
-            self.rise.eq(told & self.level & ~before),
-            self.fall.eq(told & ~self.level & before),
+            self.before.eq(told & self._past[SEATED]),
+            self.rise.eq(told & self.level & ~self.before),
+            self.fall.eq(~self.level & self.before),
         ]
         return m
 
@@ -61,12 +63,15 @@ class Channel(wiring.Component):
             "synchroniser.stage0": self._past[0],
             "synchroniser.stage1": self._past[1],
             "level": self.level,
-            "previous": (self._ticks > SEATED) & self._past[SEATED],
-            "age": self._ticks,
+            "rise": self.rise,
+            "fall": self.fall,
+            "seats": (1 << self.ticks)[:SEATED],
             "held": 0,
         }
         equal = [inner[f"{path}.{name}"] == value for name, value in expected.items()]
-        return Cat(*equal, self._ticks <= SEATED + 1).all()
+        # What is older than the reset is 0.
+        silent = (self.ticks > 1) | ((self._past >> self.ticks)[:2] == 0)
+        return Cat(*equal, silent, self.ticks <= SEATED + 1).all()
 
 
 class Travel(wiring.Component):
@@ -104,9 +109,9 @@ class Travel(wiring.Component):
         m.d.comb += self.next.eq(Array(after)[steps])
         return m
 
-    def agrees(self, inner: Internals, path: str) -> Value:
-        """The invariant that binds the steps of the sensor at `path` to these."""
-        a, b = (inner[f"{path}.input_{channel}.previous"] for channel in "ab")
+    def agrees(self, inner: Internals, path: str, a: Value, b: Value) -> Value:
+        """The invariant that binds the steps of the sensor at `path`, and the levels before this
+        tick's edges, to these."""
         same = inner[f"{path}.steps.direction"] == self.direction
         return (quarter(a, b) == self._before) & same
 
@@ -185,8 +190,8 @@ class Observed(Monitor):
             self.lemma.inputs.eq(
                 self.on_a.agrees(inner, "sensor_0.input_a")
                 & self.on_b.agrees(inner, "sensor_0.input_b")
-                & (inner["sensor_0.input_a.age"] == inner["sensor_0.input_b.age"])
-                & self.travel.agrees(inner, "sensor_0")
+                & (self.on_a.ticks == self.on_b.ticks)
+                & self.travel.agrees(inner, "sensor_0", self.on_a.before, self.on_b.before)
             ),
             self.lemma.gate.eq(self.strobes.agrees(inner)),
         ]

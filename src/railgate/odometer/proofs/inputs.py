@@ -47,11 +47,19 @@ class _Filtered(Monitor):
             (held == n) & (self.tick >= SEATED + n) & Cat(*other[:n]).all() & ~other[n]
             for n in range(FILTER_TICKS + 1)
         ]
+        edge = (self.tick > SEATED) & (level != self.before)
         stages = Cat(inner["synchroniser.stage0"], inner["synchroniser.stage1"])
         m.d.comb += [
             self.lemma.delays.eq(stages == self.past[:2]),
-            self.lemma.seats.eq(inner["age"] == Mux(self.tick > SEATED, SEATED + 1, self.tick)),
-            self.lemma.remembers.eq(inner["previous"] == self.before),
+            self.lemma.seats.eq(
+                (inner["seats"] == (1 << self.tick)[:SEATED])
+                & ((self.tick > 1) | ((self.past >> self.tick)[:2] == 0))
+            ),
+            self.lemma.remembers.eq(
+                (inner["rise"] == (edge & level))
+                & (inner["fall"] == (edge & self.before))
+                & (inner["full"] == ((held == FILTER_TICKS) | (self.tick == SEATED - 1)))
+            ),
             self.lemma.counts.eq(Mux(self.tick < SEATED, (held == 0) & ~level, Cat(*runs).any())),
         ]
         return inner
@@ -112,12 +120,12 @@ CLAIMS = (
         method=Induction(),
         mutants=(
             _mutant(
-                "a-tick-short", "held == self._filter_ticks)", "held == self._filter_ticks - 1)"
+                "a-tick-short", "held == self._filter_ticks - 1)", "held == self._filter_ticks - 2)"
             ),
             _mutant(
                 "adds-up-glitches",
-                "previous.eq(self.level), held.eq(0)]",
-                "previous.eq(self.level)]",
+                "(held + 1) & counts.replicate(len(held))",
+                "held + counts",
             ),
             _mutant("short-glitch-untold", "(held != 0)", "(held > 1)"),
         ),
@@ -136,10 +144,10 @@ CLAIMS = (
             _mutant("a-stage-more", "STAGES = 2", "STAGES = 3"),
             _mutant(
                 "falls-sooner",
-                "held == self._filter_ticks)",
-                "held == self._filter_ticks - self.level)",
+                "held == self._filter_ticks - 1)",
+                "held == self._filter_ticks - 1 - self.level)",
             ),
-            _mutant("edge-at-start", "(age == STAGES + 2) &", "(age >= STAGES + 1) &"),
+            _mutant("edge-at-start", "passes & synchronised & ~seats[-1]", "passes & synchronised"),
         ),
     ),
 )

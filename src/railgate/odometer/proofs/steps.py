@@ -82,12 +82,11 @@ class _Agreement(Observed):
             strobes.latches, agrees("sensor_0.{}", seated), agrees("latched_0_{}", seated)
         )
         levels = [
-            (inner[f"sensor_0.level_{c}"] == inner[f"sensor_0.input_{c}.previous"])
-            & (inner[f"sensor_0.input_{c}.age"] == tick)
-            for c in "ab"
+            inner[f"sensor_0.level_{c}"] == channel.before
+            for c, channel in (("a", self.on_a), ("b", self.on_b))
         ]
         m.d.comb += [
-            self.lemma.levels.eq(Cat(*levels).all()),
+            self.lemma.levels.eq(Cat(*levels, tick == self.on_a.ticks).all()),
             self.lemma.live.eq(agrees("sensor_0.{}", tick > SEATED)),
             self.lemma.carried.eq(Mux(strobes.busy, under_way, told) & (~seated | (tick > SEATED))),
             self.holds.eq(strobes.busy | told),
@@ -173,8 +172,8 @@ CLAIMS = (
             Mutant(
                 "edge-at-start",
                 "railgate.primitives.inputs",
-                "(age == STAGES + 2) &",
-                "(age >= STAGES + 1) &",
+                "passes & synchronised & ~seats[-1]",
+                "passes & synchronised",
                 Search(READ),
             ),
         ),

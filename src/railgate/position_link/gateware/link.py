@@ -68,6 +68,7 @@ class PositionLink(wiring.Component):
             verdict.seen.eq(reader.causes),
             verdict.complete.eq(reader.complete),
             verdict.word.eq(reader.word),
+            supervision.settled.eq(timing.settled),
             supervision.publish.eq(timing.publish),
             supervision.good.eq(verdict.good),
             supervision.found.eq(verdict.causes),

@@ -51,10 +51,10 @@ class Radio(wiring.Component):
             crc = config.radio_check
             check = SerialCheck(crc.width, crc.polynomial, crc.initial, crc.final)
             m.submodules.check = check
-            m.d.comb += [
+            m.d.sync += [
                 check.restart.eq(self.start),
                 check.enable.eq(self.launch),
                 check.bit.eq(line.bit),
-                line.tail.eq(check.field),
             ]
+            m.d.comb += line.tail.eq(check.field)
         return m

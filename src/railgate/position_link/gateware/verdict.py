@@ -11,15 +11,15 @@ from railgate.position_link.spec import Cause, Config
 
 __all__ = ["Verdict"]
 
-CHUNK_BITS = 32
-"""So much of a word is compared in one tick."""
+CHUNK_BITS = 4
+"""So many bits become one in one tick."""
 
 
 class Verdict(wiring.Component):
     """The causes of a cycle; it is good if it has a complete word and none of them.
 
     decided: in, 1 bit, see Timing. seen, complete, word, check: in, see Reader; all but the first
-    hold still until the fields change.
+    hold still until the fields change, a word and its check from before the decision on.
     causes: out, registers, see Cause, two ticks after `decided` at the latest. good: out, register,
     one tick later. Both stay until the next `decided`. Requirement LNK-5.
     """
@@ -43,8 +43,9 @@ class Verdict(wiring.Component):
         config = self._config
 
         line = Signal(len(LINE_CAUSES))
+        clear = Signal(init=1)  # nothing in line
         with m.If(self.decided):
-            m.d.sync += line.eq(self.seen)
+            m.d.sync += [line.eq(self.seen), clear.eq(self.seen == 0)]
 
         check_fails = Signal()
         is_fault_word = Signal()
@@ -56,14 +57,22 @@ class Verdict(wiring.Component):
         m.d.sync += is_fault_word.eq(self.complete & ~differs)
         if config.zero_is_fault:
             m.d.sync += is_zero.eq(self.complete & ~_any(m, self.word, "nonzero"))
-        m.d.comb += self.causes.eq(Cat(line, check_fails, is_fault_word, is_zero))
-        m.d.sync += self.good.eq(self.complete & (self.causes == 0))
+        of_word = Cat(check_fails, is_fault_word, is_zero)
+        sound = Signal()
+        m.d.comb += self.causes.eq(Cat(line, of_word))
+        m.d.sync += [
+            sound.eq(self.complete & (of_word == 0)),
+            self.good.eq(sound & clear),
+        ]
         return m
 
 
 def _any(m: Module, bits: Value, name: str) -> Value:
-    """Whether any bit is set: registers of a tick ago, one a chunk, taken together."""
-    chunks = [bits[at : at + CHUNK_BITS].any() for at in range(0, len(bits), CHUNK_BITS)]
-    parts = Signal(len(chunks), name=name)
-    m.d.sync += parts.eq(Cat(chunks))
-    return parts.any()
+    """Whether any bit is set: by registers of some ticks ago, chunk by chunk to the last one."""
+    stage = 0
+    while len(bits) > 1:
+        chunks = [bits[at : at + CHUNK_BITS].any() for at in range(0, len(bits), CHUNK_BITS)]
+        bits = Signal(len(chunks), name=f"{name}_{stage}")
+        m.d.sync += bits.eq(Cat(chunks))
+        stage += 1
+    return bits

@@ -61,8 +61,8 @@ def _checked(payload: int, covered: int = 48) -> Answer:
 LAST_TICK_LOST = mutant(
     "last-tick-lost",
     "timing",
-    "self.decided.eq(until_delivery.remaining == latency - 1)",
-    "self.decided.eq(until_delivery.remaining == latency)",
+    "self.decided.eq(since_decision[3])",
+    "self.decided.eq(since_decision[2])",
     run(DEFAULT, [GOOD, Answer(0, clk=96, bits=2, late_ticks=0)]),
 )
 
@@ -83,8 +83,8 @@ CLAIMS = (
             mutant(
                 "first-tick-lost",
                 "reader",
-                "Mux(self.decided, 0, self.causes) | happened",
-                "Mux(self.decided, 0, self.causes | happened)",
+                "Mux(self.decided, 0, self.causes) | happened | unstable",
+                "Mux(self.decided, 0, self.causes | happened | unstable)",
                 run(DEFAULT, [GOOD, Answer(0, clk=96, bits=2, late_ticks=1)], [GOOD]),
             ),
             mutant(
@@ -97,22 +97,22 @@ CLAIMS = (
             mutant(
                 "short-passes",
                 "reader",
-                "self.uef_fall & (answer == Answer.UNDER_WAY)",
-                "self.uef_fall & (answer == Answer.UNDER_WAY) & full",
+                "events[Cause.SHORT] = lacking & ends",
+                "events[Cause.SHORT] = lacking & ends & ~last",
                 run(DEFAULT, [Answer(WORD, bits=63)]),
             ),
             mutant(
                 "long-passes",
                 "reader",
-                "reads & ~begins & full",
-                "0",
+                "whole & samples & ~ends",
+                "whole & samples & ends",
                 run(DEFAULT, [Answer(WORD, bits=65)]),
             ),
             mutant(
                 "second-answer-passes",
                 "reader",
-                "(answer == Answer.NONE)",
-                "(answer == Answer.NONE) | (answer == Answer.FAILED)",
+                "self.starts | ~answered)",
+                "self.starts | ~answered | ~self.complete)",
                 run(DEFAULT, [Answer(0, clk=3, bits=4), GOOD]),
             ),
             mutant(
@@ -125,15 +125,15 @@ CLAIMS = (
             mutant(
                 "moves-after-the-sample",
                 "reader",
-                "self.data_edge & (takes | holding.active)",
-                "self.data_edge & takes",
+                "moved & (taken | holding.active)",
+                "moved & taken",
                 run(DEFAULT, [Answer(WORD, late_ticks=41)]),
             ),
             mutant(
                 "moves-before-the-sample",
                 "reader",
-                "takes & settling.active",
-                "takes & self.data_edge",
+                "taken & settling.active",
+                "taken & moved",
                 run(DEFAULT, [Answer(WORD, late_ticks=36)]),
             ),
         ),
@@ -154,8 +154,8 @@ CLAIMS = (
             mutant(
                 "samples-falls",
                 "timing",
-                "falls if config.sampling_edge is Edge.FALLING else ~falls",
-                "falls",
+                "delayed.falls if falling else delayed.rises",
+                "delayed.falls",
                 run(OTHERWISE, [Answer(WORD, late_ticks=39)]),
             ),
             mutant(
@@ -175,8 +175,8 @@ CLAIMS = (
             mutant(
                 "from-the-rise-of-anf",
                 "timing",
-                "delayed.half == 2 * config.window_bits)",
-                "delayed.half == 2 * config.timeout_bits)",
+                '"closes": 2 * config.window_bits',
+                '"closes": 2 * config.timeout_bits',
                 run(OTHERWISE, [Answer(WORD, clk=36)]),
             ),
         ),
@@ -198,22 +198,22 @@ CLAIMS = (
             mutant(
                 "early-ignored",
                 "verdict",
-                "self.complete & (self.causes == 0)",
-                "self.complete & ((self.causes & ~Cause.EARLY) == 0)",
+                "clear.eq(self.seen == 0)",
+                "clear.eq((self.seen & ~Cause.EARLY) == 0)",
                 run(DEFAULT, [Answer(0, clk=1, bits=3), GOOD]),
             ),
             mutant(
                 "a-bit-less-will-do",
                 "reader",
-                "full = bits == config.word_bits",
-                "full = bits == config.word_bits - 1",
+                "last.eq(bits == config.word_bits - 2)",
+                "last.eq(bits == config.word_bits - 3)",
                 run(DEFAULT, [Answer(WORD, bits=63)]),
             ),
             mutant(
                 "last-bit-first",
                 "reader",
-                "Cat(self.data, self.word)",
-                "Cat(self.word[1:], self.data)",
+                "Cat(bit, self.word)",
+                "Cat(self.word[1:], bit)",
                 run(DEFAULT, [GOOD]),
             ),
         ),
@@ -241,8 +241,8 @@ CLAIMS = (
             mutant(
                 "first-bit-uncovered",
                 "reader",
-                "check.enable.eq(takes & before)",
-                "check.enable.eq(takes & before & (bits != 0))",
+                "check.enable.eq(taken & covered)",
+                "check.enable.eq(taken & covered & (bits != 0))",
                 run(CHECKED, [_checked(PAYLOAD, 47)]),
             ),
             mutant(

@@ -189,7 +189,7 @@ CLAIMS = (
         method=Induction(),
         cover=TWO_CYCLES,
         mutants=(
-            _divider("starts-late", "remainder >= 0", "remainder > 0", Search(4)),
+            mutant("starts-late", "timing", "init=number == 0 and first", "init=0", Search(4)),
             _divider(
                 "carry-off-by-one",
                 "self._numerator - self._denominator",
@@ -199,8 +199,8 @@ CLAIMS = (
             mutant(
                 "a-clk-less",
                 "timing",
-                "2 * config.cycle_bits - 1",
-                "2 * config.cycle_bits - 3",
+                "edges = 2 * config.cycle_bits",
+                "edges = 2 * config.cycle_bits - 2",
                 TWO_CYCLES,
             ),
         ),
@@ -218,7 +218,13 @@ CLAIMS = (
         method=Induction(),
         cover=Run(3_000),
         mutants=(
-            _divider("a-tick-late", "remainder >= 0", "remainder > 0", Search(4)),
+            mutant(
+                "a-tick-late",
+                "timing",
+                "self._delay_ticks - 2",
+                "self._delay_ticks - 1",
+                Run(3_000),
+            ),
             _divider(
                 "carry-off-by-one",
                 "self._numerator - self._denominator",
@@ -248,18 +254,24 @@ CLAIMS = (
             mutant(
                 "nine-clk",
                 "timing",
-                "now.half == 2 * config.request_bits",
-                "now.half == 2 * config.request_bits - 2",
+                '"request_ends": 2 * config.request_bits',
+                '"request_ends": 2 * config.request_bits - 2',
                 Run(1_000),
             ),
             mutant(
                 "half-a-clk-more",
                 "timing",
-                "now.half == 2 * config.request_bits",
-                "now.half == 2 * config.request_bits + 1",
+                '"request_ends": 2 * config.request_bits',
+                '"request_ends": 2 * config.request_bits + 1',
                 Run(1_000),
             ),
-            mutant("twice", "timing", "(now.half == 0)", "(now.half[:13] == 0)", Run(400_000)),
+            mutant(
+                "twice",
+                "timing",
+                "LookaheadCounter(edges, marks)",
+                "LookaheadCounter(edges // 2, marks)",
+                Run(401_000),
+            ),
         ),
         fast=False,
     ),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Cat, Module, Signal, Value
 
 from railgate.position_link.proofs.clock import TWO_CYCLES, Timed
-from railgate.position_link.proofs.observed import schedule
+from railgate.position_link.proofs.observed import numbered, schedule
 from railgate.position_link.proofs.schedule import Cycle
 from railgate.position_link.proofs.stimuli import mutant
-from railgate.proving import Claim, Induction, Run
+from railgate.position_link.spec import cause_names
+from railgate.proving import Claim, Induction, Internals, Run
 
 __all__ = ["CLAIMS"]
 
@@ -41,7 +42,11 @@ class _Delivery(Timed):
                 late.agrees(inner, "timing.delayed") & late.follows(now, config.input_delay_ticks)
             ),
             self.lemma.schedule.eq(schedule(inner, config, late)),
-            self.lemma.counted.eq(inner["number"] == deliveries_now),
+            self.lemma.counted.eq(
+                (inner["number"] == deliveries_now)
+                & numbered(inner, config, late)
+                & self._chosen(inner, late)
+            ),
             self.holds.eq(
                 (delivery == now.at(config.delivery_ticks))
                 & (delivery | Cat(*stay).all())
@@ -50,6 +55,15 @@ class _Delivery(Timed):
             self.reached.eq(delivery & (deliveries == 1)),
         ]
         return m
+
+    def _chosen(self, inner: Internals, late: Cycle) -> Value:
+        """What changes fields, in the tick before a delivery alone."""
+        counts = ("faulty_cycles", *(f"{name}_cycles" for name in cause_names()))
+        steps = [inner[f"supervision.count_{name}.step"] for name in counts]
+        decision = self.config.decision_ticks - self.config.input_delay_ticks
+        publishes = late.at(decision + self.config.delivery_latency_ticks - 1)
+        anything = Cat(inner["supervision.renews"], *steps).any()
+        return ~anything | publishes
 
 
 CLAIMS = (
@@ -68,8 +82,8 @@ CLAIMS = (
             mutant(
                 "a-tick-early",
                 "timing",
-                "self.publish.eq(until_delivery.remaining == 1)",
-                "self.publish.eq(until_delivery.remaining == 2)",
+                "self.publish.eq(since_decision[-2])",
+                "self.publish.eq(since_decision[-3])",
                 FIRST_DELIVERY,
             ),
             mutant(
@@ -82,15 +96,15 @@ CLAIMS = (
             mutant(
                 "only-good-ones",
                 "supervision",
-                "self.number.eq(self.number + 1)",
-                "self.number.eq(self.number + self.good)",
+                '"number": Const(1)',
+                '"number": self.good',
                 FIRST_DELIVERY,
             ),
             mutant(
                 "field-follows-live",
                 "supervision",
-                "m.d.sync += turns.eq(",
-                "m.d.sync += self.causes.eq(self.found)\n        m.d.sync += turns.eq(",
+                "m.d.sync += first_turn.eq(",
+                "m.d.sync += self.causes.eq(self.found)\n        m.d.sync += first_turn.eq(",
                 FIRST_DELIVERY,
             ),
         ),

@@ -59,9 +59,16 @@ class Level(wiring.Component):
         return Cat(
             inner[f"{path}.synchroniser.stage0"] == self.past[0],
             inner[f"{path}.synchroniser.stage1"] == self.past[1],
-            inner[f"{path}.age"] == self.tick,
+            inner[f"{path}.seats"] == (1 << self.tick)[:SEATED],
+            (self.tick > 1) | ((self.past >> self.tick)[:2] == 0),
             inner[f"{path}.level"] == self.level,
-            inner[f"{path}.previous"] == self._before,
+            inner[f"{path}.rise"] == self.rise,
+            inner[f"{path}.fall"] == self.fall,
             self.tick <= SEATED + 1,
             Mux(self.tick < SEATED, held == 0, Cat(*runs).any()),
+            *(
+                [inner[f"{path}.full"] == ((held == len(past) - 1) | (self.tick == SEATED - 1))]
+                if len(past) > 1
+                else []
+            ),
         ).all()

@@ -27,8 +27,10 @@ class Reading(wiring.Component):
         self.config = config
         self.cycle = Cycle(config, config.input_delay_ticks)
         self.on_uef, self.on_data = Level(config.filter_ticks), Level(config.filter_ticks)
-        self.edges = Signal(max(config.guard_ticks - 1, 0))  # bit n: of DATA, n + 1 ticks ago
-        self.taken = Signal(config.guard_ticks)  # bit n: a bit was, n + 1 ticks ago
+        # Bit n: n + 1 ticks ago there was an edge of DATA, and a bit was taken; two bits more than
+        # the contract asks for.
+        self.edges = Signal(max(config.guard_ticks - 1, 0) + 2)
+        self.taken = Signal(config.guard_ticks + 2)
         self.decision = config.decision_ticks - config.input_delay_ticks
         flags = ("seen", "answered", "under_way", "complete", "was_complete", "good")
         super().__init__(
@@ -81,13 +83,13 @@ class Reading(wiring.Component):
         takes = samples & ~full
         word = Mux(takes, Cat(self.on_data.level, self.word), self.word)
         edge = self.on_data.rise | self.on_data.fall
+        m.d.sync += [
+            self.edges.eq(Cat(edge, self.edges)),
+            self.taken.eq(Cat(takes, self.taken)),
+        ]
         if config.guard_ticks:
-            m.d.sync += [
-                self.edges.eq(Cat(edge, self.edges)),
-                self.taken.eq(Cat(takes, self.taken)),
-            ]
-            moved = edge | self.edges.any()
-            happens[Cause.UNSTABLE] = (takes & moved) | (edge & self.taken.any())
+            moved = edge | self.edges[:-2].any()
+            happens[Cause.UNSTABLE] = (takes & moved) | (edge & self.taken[:-2].any())
 
         for cause, found in self._of_word(m, begins, takes, word).items():
             happens[cause] = complete & found

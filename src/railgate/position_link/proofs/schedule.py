@@ -11,7 +11,10 @@ from amaranth.lib.wiring import Out
 from railgate.position_link.spec import Config
 from railgate.proving import Internals
 
-__all__ = ["Cycle"]
+__all__ = ["CHUNK_BITS", "Cycle"]
+
+CHUNK_BITS = 4
+"""Of the gateware's counters."""
 
 
 class Cycle(wiring.Component):
@@ -30,6 +33,19 @@ class Cycle(wiring.Component):
         self.stretch_edges, self.stretch_ticks = rate.numerator, rate.denominator
         self._stretches = config.cycle_ticks // self.stretch_ticks
         self.all_edges = 2 * config.cycle_bits
+        self._late = late
+        self.marks = {
+            "starts": 0,
+            "opens": 2 * (config.earliest_clk - 1),
+            "closes": 2 * config.window_bits,
+            "decides": 2 * (config.window_bits + config.word_bits + 1),
+        }
+        if not late:
+            self.marks = {
+                "begins": 0,
+                "request_ends": 2 * config.request_bits,
+                "frame_starts": 2 * config.radio_first,
+            }
         start = divmod(config.cycle_ticks - 1 - late, self.stretch_ticks)
         count = -(-start[1] * self.stretch_edges // self.stretch_ticks)
 
@@ -87,13 +103,60 @@ class Cycle(wiring.Component):
 
     def agrees(self, inner: Internals, path: str) -> Value:
         """The invariant that binds the bit clock `path` of the gateware to the ticks."""
-        edges = self.edges + self.edge
-        next_ahead = self.ahead + Mux(self.edge, self.stretch_ticks, 0) - self.stretch_edges
+        ahead, coming = [self.ahead], []  # in this tick, the next, …; there is an edge in it
+        for _ in range(3):
+            coming.append(ahead[-1] <= 0)
+            ahead.append(ahead[-1] + Mux(coming[-1], self.stretch_ticks, 0) - self.stretch_edges)
+        told = (self.edges + coming[0])[: len(self.edges)]  # the number of the edge after this tick
         return Cat(
-            inner[f"{path}.divider.remainder"] == -next_ahead,
-            inner[f"{path}.half"] == Mux(edges == self.all_edges, 0, edges),
+            inner[f"{path}.divider.remainder"] == -ahead[3],
+            inner[f"{path}.divider.strobe"] == (ahead[3] <= 0),
+            inner[f"{path}.edge"] == coming[2],
+            inner[f"{path}.clk"] == told[0],
+            inner[f"{path}.rises"] == (coming[1] & ~told[0]),
+            inner[f"{path}.falls"] == (coming[1] & told[0]),
+            *(
+                inner[f"{path}.{name}"] == (coming[1] & self._is(told, number))
+                for name, number in self.marks.items()
+            ),
+            self._counts(inner, f"{path}.half", told + coming[1], Cat(coming[:2])),
             self._within < self.stretch_ticks,
             self._stretch < self._stretches,
             -self.stretch_edges < self.ahead,
             self.ahead <= self.stretch_ticks - self.stretch_edges,
+        ).all()
+
+    def _is(self, number: Value, edge: int) -> Value:
+        """That number, of this cycle's end too, is this edge's."""
+        return (number == edge) | (number == edge + self.all_edges)
+
+    def _counts(self, inner: Internals, path: str, number: Value, changed: Value) -> Value:
+        """The counter `path` is at that number, and what it looks ahead is right, unless the value
+        has changed in this tick (changed[1]) or, but for its chunks, in the one before."""
+        first = int(not self._late)
+        value = inner[f"{path}.value"]
+        number = (number - first)[: len(value) + 1]
+        wrapped = Mux(number >= self.all_edges, number - self.all_edges, number)
+        marks = {name: (edge - first) % self.all_edges for name, edge in self.marks.items()}
+        marks["last"] = self.all_edges - 1
+        chunks = [value[at : at + CHUNK_BITS] for at in range(0, len(value), CHUNK_BITS)]
+        full = [chunk.all() for chunk in chunks]
+        last = value == self.all_edges - 1
+        parts, wholes = [inner[f"{path}.full"] == Cat(full)], []
+        for name, edge in marks.items():
+            split = [edge >> at for at in range(0, len(value), CHUNK_BITS)]
+            fits = Cat(
+                chunk == part % (1 << len(chunk)) for chunk, part in zip(chunks, split, strict=True)
+            )
+            parts.append(inner[f"{path}.at_{name}"] == fits)
+            wholes.append(inner[f"{path}.{name}"] == (value == edge))
+        for n, _ in enumerate(chunks):
+            lacks = -((self.all_edges - 1) >> n * CHUNK_BITS)
+            carry = Cat(full[:n]).all()
+            carries = carry | last if lacks & 1 else carry & ~last
+            wholes.append(inner[f"{path}.carries"][n] == carries)
+        return Cat(
+            value == wrapped,
+            changed[1] | Cat(parts).all(),
+            changed.any() | Cat(wholes).all(),
         ).all()

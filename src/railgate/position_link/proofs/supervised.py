@@ -6,13 +6,13 @@ from collections.abc import Iterable
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.position_link.proofs.observed import Observed
-from railgate.position_link.spec import Config, Status
+from railgate.position_link.proofs.observed import Observed, numbered
+from railgate.position_link.spec import Config, Health, Status
 from railgate.proving import Internals
 
 __all__ = ["Supervised"]
 
-TURNS = 5
+TURNS = 6
 """So many ticks after the decision the gateware knows at the latest whether the link turns."""
 RUN_BITS = 8
 """A run of cycles is told up to 255, the greatest of tolerated_cycles and recovery_cycles."""
@@ -62,14 +62,46 @@ class Supervised(Observed):
         return inner
 
     def _turns(self, inner: Internals) -> Value:
-        """The gateware knows before the delivery whether the link goes up or down with it."""
-        config = self.config
-        since = [
-            self.reading.after_decision(n) for n in range(TURNS, config.delivery_latency_ticks)
-        ]
-        last = Mux(self.down, config.recovery_cycles, config.tolerated_cycles) - 1
-        turns = (self.reading.good == self.down) & (inner["supervision.run"] == last)
-        return ~Cat(*since).any() | (inner["supervision.turns"] == turns)
+        """What the gateware has made ready of the next delivery, and when."""
+        config, reading, good = self.config, self.reading, self.reading.good
+        latency = config.delivery_latency_ticks
+
+        def from_tick(first: int, *holds: Value) -> Value:
+            since = (reading.after_decision(n) for n in range(first, latency))
+            return ~Cat(*since).any() | Cat(*holds).all()
+
+        run, up, told = inner["supervision.run"], ~self.down, inner["delivery"]
+        last = run == Mux(self.down, config.recovery_cycles, config.tolerated_cycles) - 1
+        against = up ^ good
+        up_next = up ^ (against & last)
+        bits = config.tolerated_cycles.bit_length()
+        first_turn = inner["number"][:bits] == config.tolerated_cycles - 1
+        starts = (inner["health"] == Health.START) & ~first_turn
+        if_up = Mux(good, Health.OK, Health.WARNING)
+        if_down = Mux(good, Health.RECOVERING, Mux(starts, Health.START, Health.ALARM))
+        status = Mux(up_next, Mux(good, Status.FRESH, Status.HELD), Status.FAULT)
+        never = (1 << config.age_bits) - 1
+        age, settling = inner["age"], told | reading.after_decision(latency + 1)
+        return Cat(
+            numbered(inner, config, reading.cycle),
+            told | (inner["supervision.last"] == last),
+            told | (inner["supervision.first_turn"] == first_turn),
+            told | (inner["supervision.grows"] == (age != never)),
+            settling | (inner["supervision.older"] == Mux(age == never, never, age + 1)),
+            from_tick(
+                TURNS,
+                inner["supervision.up_next"] == up_next,
+                inner["supervision.longer"] == (against & ~last),
+                inner["supervision.if_up"] == if_up,
+                inner["supervision.if_down"] == if_down,
+            ),
+            from_tick(
+                TURNS + 1,
+                inner["supervision.next_status"] == status,
+                inner["supervision.next_health"] == Mux(up_next, if_up, if_down),
+            ),
+            inner["supervision.renews"] == (reading.after_decision(TURNS + 1) & (good | ~up_next)),
+        ).all()
 
     def _runs(self, inner: Internals) -> Value:
         config, run = self.config, inner["supervision.run"]

@@ -82,15 +82,15 @@ CLAIMS = (
             mutant(
                 "a-clk-late",
                 "timing",
-                "delayed.half == 2 * config.window_bits)",
-                "delayed.half == 2 * config.window_bits + 2)",
+                '"closes": 2 * config.window_bits',
+                '"closes": 2 * config.window_bits + 2',
                 run(UNFILTERED, [Answer(WORD, clk=31, late_ticks=0)]),
             ),
             mutant(
                 "a-clk-early",
                 "timing",
-                "delayed.half == 2 * config.window_bits)",
-                "delayed.half == 2 * config.window_bits - 2)",
+                '"closes": 2 * config.window_bits',
+                '"closes": 2 * config.window_bits - 2',
                 run(UNFILTERED, [Answer(WORD, clk=31, late_ticks=-1)]),
             ),
             mutant(
@@ -103,8 +103,8 @@ CLAIMS = (
             mutant(
                 "from-the-end-of-anf",
                 "timing",
-                "delayed.half == 2 * config.window_bits)",
-                "delayed.half == 2 * (config.window_bits + config.request_bits))",
+                '"closes": 2 * config.window_bits',
+                '"closes": 2 * (config.window_bits + config.request_bits)',
                 run(UNFILTERED, [Answer(WORD, clk=36)]),
             ),
             mutant(

@@ -133,6 +133,7 @@ class _Check(Monitor):
             self.assumed.eq(~(self.start & (self.left > 1))),
             self.lemma.times.eq(
                 (inner["until_done.remaining"] == self.left)
+                & (inner["until_done.active"] == busy)
                 & (self.left == Mux(busy, CONFIG.check_ticks - self.run * COVERED - self.at, 0))
                 & (self.at < COVERED)
                 & (inner["run"] == self.run)
