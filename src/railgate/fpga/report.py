@@ -113,6 +113,10 @@ def _placements(target: Target, row: Row, seeds: int, limit_s: float, kept: Path
     """The row after each seed; where one fails, no further seed is tried."""
     try:
         rtlil, verilog = target.sources()
+    except ValueError as error:
+        yield replace(row, failed=str(error))
+        return
+    try:
         flow = Flow(row.target, rtlil, row.part, kept, limit_s, verilog)
         row = replace(row, digest=target.digest(), area=flow.synthesise().inside)
         for seed in range(1, seeds + 1):

@@ -39,7 +39,7 @@ class Target:
     verilog: Callable[[], str] = str
 
     def sources(self) -> tuple[str, str]:
-        """RTLIL and Verilog of what is placed. Raises UnplacedError where they cannot be had."""
+        """RTLIL and Verilog of what is placed. Raises ValueError where they cannot be had."""
         return netlist(self.component()), self.verilog()
 
     def digest(self) -> str:

@@ -10,7 +10,8 @@ from amaranth.sim import Simulator
 
 from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Ssi
 from railgate.fpga.gateware.mac import MODULE, _converted, verilog
-from railgate.fpga.tools import UnplacedError
+from railgate.fpga.report import report
+from railgate.fpga.targets import chosen
 
 
 def run(component, bench) -> None:
@@ -100,8 +101,10 @@ def test_liteeths_mac_has_four_streams_and_no_clock_among_its_members() -> None:
     assert f"module {MODULE}(" in verilog()
 
 
-def test_without_liteeth_its_figures_alone_are_missing(monkeypatch) -> None:
+def test_without_liteeth_its_figures_alone_are_missing(monkeypatch, tmp_path) -> None:
     monkeypatch.setitem(sys.modules, "liteeth.common", None)
     _converted.cache_clear()
-    with pytest.raises(UnplacedError, match=r"^liteeth is needed: pip install liteeth$"):
+    with pytest.raises(ValueError, match=r"^liteeth is needed: pip install liteeth$"):
         LiteEthMac()
+    (row,) = report(chosen(["liteeth"]), folder=tmp_path)
+    assert (row.failed, row.area) == ("liteeth is needed: pip install liteeth", None)

@@ -9,8 +9,6 @@ from amaranth.hdl import ClockSignal, Instance, Module, ResetSignal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.fpga.tools import UnplacedError
-
 __all__ = ["LiteEthMac", "verilog"]
 
 MODULE = "liteeth_mac"
@@ -27,7 +25,7 @@ class LiteEthMac(wiring.Component):
     """Preamble, CRC, padding and gap of both directions, and the queues between the clocks.
 
     Members are those of LiteEth's streams of a byte a tick, to and from the PHY and the user; it
-    instantiates what `verilog` has. Raises UnplacedError where LiteEth is missing.
+    instantiates what `verilog` has. Raises ValueError where LiteEth is missing.
     """
 
     def __init__(self) -> None:
@@ -61,7 +59,7 @@ def _converted() -> tuple[str, tuple[tuple[str, int, bool], ...]]:
         from litex.soc.interconnect.stream import Endpoint
         from migen.fhdl.verilog import convert
     except ImportError:
-        raise UnplacedError("liteeth is needed: pip install liteeth") from None
+        raise ValueError("liteeth is needed: pip install liteeth") from None
 
     class Phy:
         dw = BYTE
