@@ -71,7 +71,7 @@ BOARDS: Mapping[str, Board] = {
         module="icebreaker",
         platform="ICEBreakerPlatform",
         loader="iceprog",
-        fits=(),
+        fits=("position_link",),
         pll_pad=True,
     ),
     "tang-nano-9k": Board(

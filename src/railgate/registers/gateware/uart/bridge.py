@@ -74,16 +74,23 @@ class Uart(wiring.Component):
         reads = asked.operation == Operation.READ
         writes = asked.operation == Operation.WRITE
         fits = (asked.count != 0) & (asked.count <= self._words)
-        end = (address >> INDEX_FROM) + asked.count
+        end, length = Signal(WORD_BITS), Signal(range(256 + AROUND))
         inside = (address[:INDEX_FROM] == 0) & (end <= 1 << len(request.p.address) - INDEX_FROM)
-        # Long sums, in registers: a request's words stand still while its frame's END is received.
-        whole, accesses = Signal(), Signal()
+        # In registers, since long: a request's words stand still while its frame's END is received.
+        whole, accesses, again = Signal(), Signal(), Signal()
         m.d.sync += [
-            whole.eq(frames.index == Mux(writes, asked.count, 0) + AROUND),
+            end.eq((address >> INDEX_FROM) + asked.count),
+            length.eq(Mux(writes, asked.count, 0) + AROUND),
+            whole.eq(frames.index == length),
             accesses.eq(fits & inside & (reads | writes)),
+            again.eq(any_yet & (frames.word == check)),
         ]
-        again = any_yet & (frames.word == check)
         at = Signal(range(self._words + 1))  # which of the request's or the answer's words
+        last_asked, last_told = Signal(), Signal()  # it is the last one; it stands for two ticks
+        m.d.sync += [
+            last_asked.eq(at + 1 == asked.count),
+            last_told.eq(at + 1 == answer.count),
+        ]
         m.d.comb += [
             written.addr.eq(at),
             kept.addr.eq(at),
@@ -128,7 +135,7 @@ class Uart(wiring.Component):
                 with m.Elif(response.valid):
                     m.d.sync += [at.eq(at + 1), answer.count.eq(answer.count + 1)]
                     m.next = "FETCHES"
-                    with m.If(at + 1 == asked.count):
+                    with m.If(last_asked):
                         m.next = "ANSWERS"
             with m.State("ANSWERS"):
                 last = ~reads | (answer.count == 0)
@@ -145,15 +152,14 @@ class Uart(wiring.Component):
             with m.State("FINDS"):
                 m.next = "TELLS"
             with m.State("TELLS"):
-                last = at + 1 == answer.count
                 m.d.comb += [
                     answers.words.valid.eq(1),
                     answers.words.p.word.eq(kept.data),
-                    answers.words.p.last.eq(last),
+                    answers.words.p.last.eq(last_told),
                 ]
                 with m.If(answers.words.ready):
                     m.d.sync += at.eq(at + 1)
                     m.next = "FINDS"
-                    with m.If(last):
+                    with m.If(last_told):
                         m.next = "LISTENS"
         return m

@@ -46,6 +46,9 @@ class FrameReceiver(wiring.Component):
         takes = self.valid & ~end & ~escape
         byte = Signal(BYTE)
         m.d.comb += byte.eq(self.byte)
+        # Ready long before a byte comes: the check stands still from byte to byte.
+        matches = Signal()
+        m.d.sync += matches.eq(check.match_detected)
         for plain, code in ESCAPED.items():
             with m.If(escaped & (self.byte == code)):
                 m.d.comb += byte.eq(plain)
@@ -54,7 +57,7 @@ class FrameReceiver(wiring.Component):
             check.start.eq(end),
             check.valid.eq(takes),
             check.data.eq(byte),
-            self.done.eq(end & ~spoilt & (place == 0) & check.match_detected),
+            self.done.eq(end & ~spoilt & (place == 0) & matches),
         ]
         m.d.sync += self.there.eq(takes & (place == WORD_BYTES - 1))
         with m.If(self.there & (self.index <= self._most)):
