@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Mux, Shape, Signal
+from collections.abc import Iterator
+
+from amaranth.hdl import Cat, Module, Mux, Shape, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.odometer.gateware.period import Period
+from railgate.odometer.gateware.period import Period, verdict_ticks
 from railgate.odometer.gateware.stamps import STAMP_LAYOUT, Stamps
 from railgate.odometer.gateware.steps import Elapsed, Steps
 from railgate.odometer.gateware.watch import Watch
 from railgate.odometer.gateware.window import Window
 from railgate.odometer.spec import Config, Field, Flag
 from railgate.primitives import FilteredInput
+from railgate.primitives.chunked import accumulate, chunks, count, delayed, skewed
 
-__all__ = ["Sensor", "shape"]
+__all__ = ["LATE", "Sensor", "settled", "shape"]
+
+LATE = 3
+"""Ticks by which a sensor takes edges and strobes later than they are, but where it says so."""
+
+
+SKEWED = ("position", "rejected_glitches", "window_ticks", "sum_a", "sum_b")
+"""Fields that are sums, each chunk of them a tick later than the one below."""
 
 
 def shape(field: Field) -> Shape:
@@ -22,19 +32,35 @@ def shape(field: Field) -> Shape:
     return Shape(field.width, field.signed)
 
 
+def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
+    """How many ticks after that of the latch which bits of a sensor's field are what it latches."""
+    late = LATE + {
+        "window_seated": 1,
+        "window_n": 2,
+        "window_ticks": 2,
+        "sum_a": 3,
+        "sum_b": 4,
+        "phase_direction": verdict_ticks(config),
+        "flags": verdict_ticks(config) + 1,
+    }.get(field.name, 0)
+    skew = field.name in SKEWED
+    for index, part in enumerate(chunks(field.width)):
+        yield part, late + index * skew
+
+
 class Sensor(wiring.Component):
     """All that is counted and measured of one sensor.
 
-    a, b: in, 1 bit, the pins, asynchronous. latch: in, 1 bit, in the tick after a strobe, in which
-    the fields are what it latches; `pulses`, `flags` and window then start afresh, before the
-    events of this tick. ticks: in, the tick, modulo 2³².
-    One out of each of config.sensor_fields, as it stood after the tick before.
+    a, b: in, 1 bit, the pins, asynchronous. latches: in, bit n is the latch of n ticks ago, in the
+    tick after a strobe; `pulses`, `flags` and window start afresh, before the events of this tick.
+    ticks: in, the tick before, modulo 2³².
+    One out of each of config.sensor_fields, late as `settled` tells.
     stamps: out, stream of STAMP_LAYOUT, only where stamp_depth > 0.
     """
 
     def __init__(self, config: Config) -> None:
         self._config = config
-        members = {"a": In(1), "b": In(1), "latch": In(1)}
+        members = {"a": In(1), "b": In(1), "latches": In(config.snapshot_latency_ticks - 1)}
         members |= {field.name: Out(shape(field)) for field in config.sensor_fields}
         if config.stamp_depth:
             members["ticks"] = In(STAMP_LAYOUT["ticks"].width)
@@ -44,103 +70,123 @@ class Sensor(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
-        events = dict.fromkeys(Flag, 0)
+        latch = self.latches[LATE]
+        events: dict[Flag, tuple[Value, int]] = {}  # with their ticks after LATE
 
         m.submodules.input_a = a = FilteredInput(config.filter_ticks)
         m.submodules.input_b = b = FilteredInput(config.filter_ticks)
         m.d.comb += [a.pin.eq(self.a), b.pin.eq(self.b)]
-        m.d.sync += [self.level_a.eq(a.level), self.level_b.eq(b.level)]
-        a_edge, b_edge = a.rise | a.fall, b.rise | b.fall
-        m.d.sync += self.rejected_glitches.eq(self.rejected_glitches + a.glitch + b.glitch)
-        events[Flag.GLITCH] = a.glitch | b.glitch
 
-        m.submodules.since_rise = since_rise = Elapsed(config.period_max)
-        m.submodules.since_edge = since_edge = Elapsed(config.period_max)
-        m.d.comb += [
-            since_rise.restart.eq(a.rise),
-            since_edge.restart.eq(a_edge | b_edge),
-            self.since_rise.eq(since_rise.ticks),
-            self.since_edge.eq(since_edge.ticks),
-        ]
-
+        # A tick late: the edges, and tick 0.
+        start = delayed(m, delayed(m, 0, 1, init=1, name="tick_0"), 1, init=1, name="start")
+        a_rise, a_edge, a_level, b_rise, b_edge, b_level = delayed(
+            m, Cat(a.rise, a.rise | a.fall, a.level, b.rise, b.rise | b.fall, b.level), 1, name="pins"
+        )
         m.submodules.steps = steps = Steps()
         m.d.comb += [
-            steps.a.eq(a.level),
-            steps.b.eq(b.level),
+            steps.a.eq(a_level),
+            steps.b.eq(b_level),
             steps.a_edge.eq(a_edge),
             steps.b_edge.eq(b_edge),
             self.direction.eq(steps.direction),
         ]
-        m.d.sync += [
-            self.position.eq(self.position + steps.forward - steps.reverse),
-            self.direction_changes.eq(self.direction_changes + steps.reversal),
-            self.illegal_transitions.eq(self.illegal_transitions + steps.illegal),
-        ]
-        events[Flag.REVERSAL] = steps.reversal
-        events[Flag.ILLEGAL] = steps.illegal
-        broken = steps.reversal | steps.illegal
+        if config.stamp_depth:
+            m.submodules.stamps = stamps = Stamps(config)
+            m.d.comb += [
+                stamps.edge.eq(a_edge | b_edge),
+                stamps.ticks.eq(self.ticks),
+                stamps.a.eq(a_level),
+                stamps.b.eq(b_level),
+            ]
+            wiring.connect(m, stamps.stamps, wiring.flipped(self.stamps))
+            events[Flag.STAMP_OVERFLOW] = stamps.overflow, -2
 
-        pulses = Mux(self.latch, 0, self.pulses)
-        pulses_full = pulses == (1 << config.count_bits) - 1
-        m.d.sync += [
-            self.pulses.eq(pulses + (a.rise & ~pulses_full)),
-            self.a_rising.eq(self.a_rising + a.rise),
-            self.b_rising.eq(self.b_rising + b.rise),
+        # LATE, as the steps are.
+        restart_rise = delayed(m, a_rise | start, 2, init=1, name="restart_rise")
+        restart_edge = delayed(m, a_edge | b_edge | start, 2, init=1, name="restart_edge")
+        restart_either = delayed(m, a_rise | b_rise | start, 2, init=1, name="restart_either")
+        a_rise, b_rise, a_level, b_level = delayed(
+            m, Cat(a_rise, b_rise, a_level, b_level), 2, name="edges"
+        )
+        glitches = delayed(m, a.glitch + b.glitch, LATE, name="glitches")
+        m.d.sync += [self.level_a.eq(a_level), self.level_b.eq(b_level)]
+        step = Signal.like(self.position)
+        m.d.comb += step.eq(Mux(steps.reverse, -1, steps.forward))
+        accumulate(m, self.position, skewed(m, step, name="step"))
+        accumulate(m, self.rejected_glitches, skewed(m, glitches, name="glitch"))
+        count(m, self.a_rising, a_rise)
+        count(m, self.b_rising, b_rise)
+        count(m, self.direction_changes, steps.reversal)
+        count(m, self.illegal_transitions, steps.illegal)
+        pulses = count(m, self.pulses, a_rise, clear=latch, saturates=True)
+        events[Flag.REVERSAL] = steps.reversal, 0
+        events[Flag.ILLEGAL] = steps.illegal, 0
+        events[Flag.GLITCH] = glitches.any(), 0
+
+        m.submodules.since_rise = since_rise = Elapsed(config.period_bits)
+        m.submodules.since_edge = since_edge = Elapsed(config.period_bits)
+        m.d.comb += [
+            since_rise.restart.eq(restart_rise),
+            since_edge.restart.eq(restart_edge),
+            self.since_rise.eq(since_rise.ticks),
+            self.since_edge.eq(since_edge.ticks),
         ]
 
         m.submodules.period = period = Period(config)
         m.d.comb += [
-            period.a_rise.eq(a.rise),
-            period.b_rise.eq(b.rise),
-            period.broken.eq(broken),
+            period.a_rise.eq(a_rise),
+            period.b_rise.eq(b_rise),
+            period.broken.eq(steps.broken),
+            period.restart.eq(restart_rise),
             period.elapsed.eq(since_rise.now),
+            period.full.eq(since_rise.full),
             self.period.eq(period.period),
             self.period_valid.eq(period.period_valid),
             self.phase.eq(period.phase),
             self.phase_direction.eq(period.phase_direction),
         ]
-        events[Flag.OVERSPEED] = period.overspeed
-        events[Flag.PHASE_FAULT] = period.phase_fault
+        events[Flag.OVERSPEED] = period.overspeed, 0
+        events[Flag.PHASE_FAULT] = period.phase_fault, verdict_ticks(config)
 
+        m.submodules.watch = watch = Watch(config)
+        m.d.comb += [
+            watch.restart.eq(restart_either),
+            watch.a_rise.eq(a_rise),
+            watch.b_rise.eq(b_rise),
+            watch.judged.eq(period.judged),
+            watch.watched.eq(period.watched),
+        ]
+        events[Flag.MISMATCH] = watch.mismatch, 1
+        events[Flag.A_MISSING] = watch.a_missing, 1
+        events[Flag.B_MISSING] = watch.b_missing, 1
+
+        # A tick later again, since its ticks are a copy of since_rise.
         m.submodules.window = window = Window(config)
         m.d.comb += [
-            window.a_rise.eq(a.rise),
-            window.broken.eq(broken),
-            window.latch.eq(self.latch),
-            window.since_rise.eq(since_rise.ticks),
+            Cat(window.a_rise, window.broken).eq(
+                delayed(m, Cat(a_rise, steps.broken), 1, name="window_edges")
+            ),
+            window.latch.eq(self.latches[LATE + 1]),
+            window.latch_soon.eq(Cat(latch, self.latches[LATE - 1])),
+            window.since_rise.eq(since_rise.state),
             self.window_seated.eq(window.window_seated),
             self.window_n.eq(window.window_n),
             self.window_ticks.eq(window.window_ticks),
             self.sum_a.eq(window.sum_a),
             self.sum_b.eq(window.sum_b),
         ]
-        events[Flag.WINDOW_VOID] = window.void
-        events[Flag.WINDOW_OVERFLOW] = window.overflow
-        events[Flag.SATURATED] = since_rise.reaches | window.saturated | (a.rise & pulses_full)
+        events[Flag.WINDOW_VOID] = window.void, 2
+        events[Flag.WINDOW_OVERFLOW] = window.overflow, 2
+        full = since_rise.reaches | (a_rise & pulses.full & ~latch)
+        events[Flag.SATURATED] = window.saturated | delayed(m, full, 2, name="full"), 2
 
-        m.submodules.watch = watch = Watch(config)
-        m.d.comb += [
-            watch.a_rise.eq(a.rise),
-            watch.b_rise.eq(b.rise),
-            watch.judged.eq(period.judged),
-            watch.watched.eq(period.watched),
-        ]
-        events[Flag.MISMATCH] = watch.mismatch
-        events[Flag.A_MISSING] = watch.a_missing
-        events[Flag.B_MISSING] = watch.b_missing
-
-        if config.stamp_depth:
-            m.submodules.stamps = stamps = Stamps(config)
-            m.d.comb += [
-                stamps.edge.eq(a_edge | b_edge),
-                stamps.ticks.eq(self.ticks),
-                stamps.a.eq(a.level),
-                stamps.b.eq(b.level),
-            ]
-            wiring.connect(m, stamps.stamps, wiring.flipped(self.stamps))
-            events[Flag.STAMP_OVERFLOW] = stamps.overflow
-
+        told = verdict_ticks(config) + 1
         happened = Signal(len(Flag))
-        m.d.comb += [happened[flag.bit_length() - 1].eq(event) for flag, event in events.items()]
-        m.d.sync += self.flags.eq(Mux(self.latch, 0, self.flags) | happened)
+        m.d.comb += [
+            happened[flag.bit_length() - 1].eq(
+                delayed(m, event, told - late, name=flag.name.lower())
+            )
+            for flag, (event, late) in events.items()
+        ]
+        m.d.sync += self.flags.eq(Mux(self.latches[LATE + told], 0, self.flags) | happened)
         return m

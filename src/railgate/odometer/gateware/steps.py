@@ -7,34 +7,41 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.spec import Direction
+from railgate.primitives.chunked import count, delayed, state_bits
 
 __all__ = ["Elapsed", "Steps"]
 
 
 class Elapsed(wiring.Component):
-    """Ticks since an event, or since reset, that stay at `limit`.
+    """Ticks since an event, that stay at the greatest value of `width` bits.
 
-    restart: in, 1 bit, the event. now: out, ticks since the last event before this tick.
-    ticks: out, register, the same as it stood after the tick before, so 0 after an event.
-    reaches: out, 1 bit, `now` is `limit` for the first time.
+    restart: in, 1 bit, the event. now: out, register, ticks since the last event before this tick.
+    full: out, 1 bit, register, `now` is its greatest value. ticks: out, register, `now` as it
+    stood after the tick before, so 0 after an event. reaches: out, 1 bit, `full` for the first time.
+    state: out, all that the counter `now` consists of.
     """
 
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
-        width = limit.bit_length()
+    def __init__(self, width: int) -> None:
         super().__init__(
-            {"restart": In(1), "now": Out(width), "ticks": Out(width), "reaches": Out(1)}
+            {
+                "restart": In(1),
+                "now": Out(width),
+                "full": Out(1),
+                "ticks": Out(width),
+                "reaches": Out(1),
+                "state": Out(state_bits(width)),
+            }
         )
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        started = Signal()  # tick 0 itself is no tick after it
-        full = self.ticks == self._limit
+        now = count(m, self.now, clear=self.restart, saturates=True)
+        m.d.sync += self.ticks.eq(Mux(self.restart, 0, self.now))
         m.d.comb += [
-            self.now.eq(Mux(full, self._limit, self.ticks + started)),
-            self.reaches.eq((self.now == self._limit) & ~full),
+            self.full.eq(now.full),
+            self.state.eq(now.state),
+            self.reaches.eq(now.full & ~delayed(m, now.full, 1, name="was_full")),
         ]
-        m.d.sync += [started.eq(1), self.ticks.eq(Mux(self.restart, 0, self.now))]
         return m
 
 
@@ -42,14 +49,15 @@ class Steps(wiring.Component):
     """Quadrature decoder: forward is (a, b) = 00 → 10 → 11 → 01 → 00.
 
     a, b: in, 1 bit, the levels after this tick's edges. a_edge, b_edge: in, 1 bit.
-    forward, reverse, illegal: out, 1 bit, what this tick's edges are. reversal: out, 1 bit, a step
-    against `direction`. direction: out, 2 bits, register, of the last step, see Direction; NONE
-    after an illegal transition. Requirements ODO-5, ODO-6.
+    forward, reverse, illegal: out, 1 bit, registers, what the edges of two ticks ago are. reversal:
+    out, 1 bit, register, a step against the direction. broken: out, 1 bit, register, a reversal or
+    illegal. direction: out, 2 bits, register, of the last step, see Direction; NONE after an
+    illegal transition; it is new in the tick after the step. Requirements ODO-5, ODO-6.
     """
 
     def __init__(self) -> None:
         inputs = ("a", "b", "a_edge", "b_edge")
-        events = ("forward", "reverse", "illegal", "reversal")
+        events = ("forward", "reverse", "illegal", "reversal", "broken")
         super().__init__(
             {name: In(1) for name in inputs}
             | {name: Out(1) for name in events}
@@ -58,21 +66,30 @@ class Steps(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
+        forward, reverse, illegal = Signal(), Signal(), Signal()
         step = self.a_edge ^ self.b_edge
         leads = self.a ^ self.b ^ self.b_edge  # a moves away from b, or b follows a
-        m.d.comb += [
-            self.forward.eq(step & leads),
-            self.reverse.eq(step & ~leads),
-            self.illegal.eq(self.a_edge & self.b_edge),
-            self.reversal.eq(
-                (self.forward & (self.direction == Direction.REVERSE))
-                | (self.reverse & (self.direction == Direction.FORWARD))
-            ),
+        m.d.sync += [
+            forward.eq(step & leads),
+            reverse.eq(step & ~leads),
+            illegal.eq(self.a_edge & self.b_edge),
         ]
-        with m.If(self.forward):
-            m.d.sync += self.direction.eq(Direction.FORWARD)
-        with m.Elif(self.reverse):
-            m.d.sync += self.direction.eq(Direction.REVERSE)
-        with m.Elif(self.illegal):
-            m.d.sync += self.direction.eq(Direction.NONE)
+        heading = Signal(2)
+        reversal = (forward & (heading == Direction.REVERSE)) | (
+            reverse & (heading == Direction.FORWARD)
+        )
+        with m.If(forward):
+            m.d.sync += heading.eq(Direction.FORWARD)
+        with m.Elif(reverse):
+            m.d.sync += heading.eq(Direction.REVERSE)
+        with m.Elif(illegal):
+            m.d.sync += heading.eq(Direction.NONE)
+        m.d.sync += [
+            self.forward.eq(forward),
+            self.reverse.eq(reverse),
+            self.illegal.eq(illegal),
+            self.reversal.eq(reversal),
+            self.broken.eq(reversal | illegal),
+            self.direction.eq(heading),
+        ]
         return m
