@@ -6,12 +6,11 @@ every tick. A sum's chunks are *skewed*: chunk j is, j ticks later, what an adde
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
-from amaranth.hdl import Cat, Module, Mux, Signal, Value, ValueLike
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
 
-__all__ = ["CHUNK_BITS", "Count", "accumulate", "chunks", "count", "delayed", "exceeds", "skewed", "state_bits"]
+__all__ = ["CHUNK_BITS", "accumulate", "chunks", "count", "delayed", "exceeds", "masked", "skewed"]
 
 CHUNK_BITS = 10
 
@@ -34,71 +33,48 @@ def delayed(
     return value
 
 
-@dataclass(frozen=True)
-class Count:
-    """The registers of a counter. full: it is all ones, exact in every tick."""
-
-    value: Signal
-    wraps: Signal
-    ahead: Signal
-    full: Signal
-
-    @property
-    def state(self) -> Value:
-        """All of them: assigned to another one's, it becomes its copy."""
-        return Cat(self.value, self.wraps, self.ahead, self.full)
-
-
-def state_bits(width: int) -> int:
-    """How many bits the state of a counter of that width has."""
-    return width + len(chunks(width)) + 1
-
-
 def count(
-    m: Module, value: Signal, up: ValueLike = 1, *, clear: ValueLike = 0, saturates: bool = False
-) -> Count:
-    """Makes a register a counter: in each tick value' = (clear ? 0 : value) + up.
+    m: Module, value: Signal, up: ValueLike = 1, *, restart: ValueLike = 0, saturates: bool = False
+) -> Signal:
+    """Makes a register a counter: in each tick value' = restart ? its init : value + up.
 
-    value: at least 2 bits. up, clear: 1 bit. saturates: it stays all ones, else wraps.
+    up, restart: 1 bit. saturates: it stays all ones, else wraps. Returns a
+    register of 1 bit: it is all ones, exact in every tick.
 
     The low chunk counts. The next ones change only as it wraps, so that there is time to find out
     whether the carry will pass them: `ahead` tells of each whether it and all below it, the low
     one aside, are all ones, as late as it is high; `wraps` tells of the low one, exactly.
     """
     low, *high = (value[part] for part in chunks(len(value)))
-    of = Count(
-        value,
-        Signal(name=f"{value.name}_wraps"),
-        Signal(len(high), name=f"{value.name}_ahead"),
-        Signal(name=f"{value.name}_full"),
-    )
-    go = up & ~of.full if saturates else up
-    passes = [Value.cast(1), *of.ahead]
-    with m.If(clear):
-        m.d.sync += [register.eq(0) for register in (*high, of.wraps, of.ahead, of.full)]
-        m.d.sync += low.eq(up)
-    with m.Else():
-        ones = low[1:].all() & (low[0] ^ go)
-        m.d.sync += [
-            low.eq(low + go),
-            of.wraps.eq(ones),
-            of.ahead.eq(Cat(here & chunk.all() for here, chunk in zip(passes, high, strict=False))),
-            of.full.eq(ones & passes[-1]),
-        ]
-        for here, chunk in zip(passes, high, strict=False):
-            with m.If(go & of.wraps & here):
-                m.d.sync += chunk.eq(chunk + 1)
-    return of
+    wraps = Signal(name=f"{value.name}_wraps")
+    ahead = Signal(len(high), name=f"{value.name}_ahead")
+    full = Signal(name=f"{value.name}_full")
+    passes = [Value.cast(1), *ahead]
+    go = up & ~full if saturates else up
+    with m.If(go):
+        m.d.sync += low.eq(low + 1)
+    for here, chunk in zip(passes, high, strict=False):
+        with m.If(go & wraps & here):
+            m.d.sync += chunk.eq(chunk + 1)
+    ones = Cat(low[0] ^ up, low[1:]).all()
+    m.d.sync += [
+        wraps.eq((full if saturates else 0) | ones),
+        full.eq((full if saturates else 0) | (ones & passes[-1])),
+        ahead.eq(Cat(here & chunk.all() for here, chunk in zip(passes, high, strict=False))),
+    ]
+    with m.If(restart):
+        m.d.sync += [register.eq(register.init) for register in (value, wraps, ahead, full)]
+    return full
 
 
-def exceeds(m: Module, value: Signal, limit: int, *, clear: ValueLike) -> Signal:
-    """Register: whether a counter that goes up in each tick, and to 1 after `clear`, is > limit.
+def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Signal:
+    """Register: whether a counter that goes up in each tick, from `restart` on, is > limit.
 
-    limit: at least 3. It stays 1 until `clear`, also where the counter wraps.
+    limit: at least 2 above where it restarts. It stays 1 until `restart`, also where it wraps.
     """
     near = Signal(len(chunks(len(value))), name=f"{value.name}_near_{limit}")
     over = Signal(name=f"{value.name}_over_{limit}")
-    with m.If(clear):
+    with m.If(restart):
         m.d.sync += [near.eq(0), over.eq(0)]
     with m.Else():
         same = [
@@ -117,21 +93,26 @@ def skewed(m: Module, value: Value, name: str = "skewed") -> Value:
     )
 
 
-def accumulate(
-    m: Module, total: Signal, addend: Value, *, fresh: ValueLike = 0, enable: ValueLike = 1
-) -> None:
-    """Makes a register a sum: with `enable` total' = (fresh ? 0 : total) + addend, all skewed.
+def masked(m: Module, value: Value, by: ValueLike, name: str = "masked") -> Value:
+    """The skewed value of the tick before where `by` was 1, else 0; skewed."""
+    taken = Signal(len(value), name=name)
+    for late, part in enumerate(chunks(len(value))):
+        m.d.sync += taken[part].eq(Mux(by, value[part], 0))
+        by = delayed(m, by, 1, name=f"{name}_by_{late}")
+    return taken
 
-    addend: skewed, at most as wide. fresh, enable: 1 bit, in the tick of the low chunk.
+
+def accumulate(m: Module, total: Signal, addend: Value, *, restart: ValueLike = 0) -> None:
+    """Makes a register a sum: in each tick total' = restart ? its init : total + addend, skewed.
+
+    addend: skewed, at most as wide. restart: 1 bit, in the tick of the low chunk.
     """
+    start = Const(total.init, len(total))
     carry: ValueLike = 0
     for late, part in enumerate(chunks(len(total))):
         chunk, to = total[part], Signal(name=f"{total.name}_carry_{late}")
-        more = Cat(1, Mux(fresh, 0, chunk)) + Cat(carry, addend[part])
-        with m.If(enable):
-            m.d.sync += Cat(chunk, to).eq(more[1:])
-        with m.Else():
-            m.d.sync += to.eq(0)
-        carry = to
-        fresh = delayed(m, fresh, 1, name=f"{total.name}_fresh_{late}")
-        enable = delayed(m, enable, 1, name=f"{total.name}_enable_{late}")
+        more = Cat(1, chunk) + Cat(carry, addend[part])
+        m.d.sync += Cat(chunk, to).eq(more[1:])
+        with m.If(restart):
+            m.d.sync += [chunk.eq(start[part]), to.eq(0)]
+        carry, restart = to, delayed(m, restart, 1, name=f"{total.name}_restart_{late}")

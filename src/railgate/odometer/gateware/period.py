@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Const, Module, Mux, Signal, Value, signed
+from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -14,15 +14,16 @@ __all__ = ["Period", "verdict_ticks"]
 
 def verdict_ticks(config: Config) -> int:
     """From the closing edge of a period to the tick in which its phase is judged."""
-    return len(chunks(config.period_bits + 4))
+    return len(chunks(config.period_bits + 4)) - 1
 
 
 class Period(wiring.Component):
     """Takes period and phase at every rising edge of a but the first.
 
-    a_rise, b_rise: in, 1 bit. broken: in, 1 bit, a reversal or an illegal transition.
-    restart: in, 1 bit, tick 0 or a rising edge of a. elapsed, full: in, ticks since the last
-    rising edge of a, staying at period_max, and that they do.
+    a_rise_soon, b_rise_soon: in, 1 bit, there is a rising edge in the next tick. broken: in, 1 bit,
+    a reversal or an illegal transition. restart: in, 1 bit, tick 0 or a rising edge of a. elapsed,
+    since_rise, full: in, ticks since the last rising edge of a before this tick, the same as they
+    stood after the tick before, both staying at period_max, and that `elapsed` is there.
     period, phase: out, ticks, registers. period_valid: out, 1 bit, register, the period is clean.
     judged: out, 1 bit, a clean period closes in this tick. watched: out, 1 bit, it is no longer
     than watch_ticks. overspeed: out, 1 bit, in the tick of the closing edge.
@@ -36,11 +37,12 @@ class Period(wiring.Component):
         ticks = config.period_bits
         super().__init__(
             {
-                "a_rise": In(1),
-                "b_rise": In(1),
+                "a_rise_soon": In(1),
+                "b_rise_soon": In(1),
                 "broken": In(1),
                 "restart": In(1),
                 "elapsed": In(ticks),
+                "since_rise": In(ticks),
                 "full": In(1),
                 "period": Out(ticks),
                 "phase": Out(ticks),
@@ -57,25 +59,32 @@ class Period(wiring.Component):
         m = Module()
         config = self._config
 
-        begun = Signal()
-        broken = Signal()
-        seen = Signal()  # b has risen since a has
-        lag = Signal(config.period_bits)  # rising a to rising b, 0: none yet
-        with m.If(self.broken):
-            m.d.sync += broken.eq(1)
-        with m.If(self.b_rise & ~seen):
-            m.d.sync += [seen.eq(1), lag.eq(self.elapsed)]
-        with m.If(self.a_rise):
-            m.d.sync += [begun.eq(1), broken.eq(0), seen.eq(0), lag.eq(0)]
+        begun, seen = Signal(), Signal()  # a has risen, b has risen since
+        a_rise, first_b, closes = Signal(), Signal(), Signal()
+        m.d.sync += [
+            begun.eq(begun | self.a_rise_soon),
+            seen.eq(~self.a_rise_soon & (seen | self.b_rise_soon)),
+            a_rise.eq(self.a_rise_soon),
+            first_b.eq(self.b_rise_soon & ~seen),
+            closes.eq(self.a_rise_soon & begun),
+        ]
 
-        closes = self.a_rise & begun
+        broken = Signal()
+        lag = Signal(config.period_bits)  # rising a to rising b, 0: none yet
+        m.d.sync += broken.eq(~a_rise & (broken | self.broken))
+        with m.If(first_b):
+            m.d.sync += lag.eq(self.elapsed)
+        with m.If(a_rise):
+            m.d.sync += lag.eq(0)
+
+        def longer(limit: int) -> Value:
+            return exceeds(m, self.since_rise, limit - 1, restart=self.restart)
+
         clean = ~broken & ~self.broken & ~self.full
-        fast = ~exceeds(m, self.elapsed, config.period_min_ticks - 1, clear=self.restart)
-        slow = exceeds(m, self.elapsed, config.watch_ticks, clear=self.restart)
         m.d.comb += [
             self.judged.eq(closes & clean),
-            self.watched.eq(~slow),
-            self.overspeed.eq(self.judged & fast),
+            self.watched.eq(~longer(config.watch_ticks)),
+            self.overspeed.eq(self.judged & ~longer(config.period_min_ticks - 1)),
         ]
         with m.If(closes):
             m.d.sync += [
@@ -84,23 +93,23 @@ class Period(wiring.Component):
                 self.period_valid.eq(clean),
             ]
 
-        # FORWARD within 90° ± 45°, REVERSE within 270° ± 45°, both inclusive: as T and phase grow,
-        # so do ± (8 · phase - n · T), whose signs tell.
-        fresh = delayed(m, self.a_rise, 1, name="fresh")
-
-        def reaches(sign: int, eighths: int) -> Value:
-            of = Signal(signed(config.period_bits + 4), name=f"eighths_{eighths}")
-            grows = Mux(seen, Const(-sign * eighths, of.shape()), Const(sign * (8 - eighths), of.shape()))
-            accumulate(m, of, skewed(m, grows, name=f"{of.name}_grows"), fresh=fresh)
-            return ~of[-1]
+        # FORWARD within 90° ± 45°, REVERSE within 270° ± 45°, both inclusive: as T and phase grow
+        # by 1 in a tick, so do ± (8 · phase - n · T), whose signs tell.
+        def reaches(sign: int, n: int) -> Value:
+            shape = signed(config.period_bits + 4)
+            both, period_alone = sign * (8 - n), -sign * n
+            total = Signal(shape, init=both, name=f"total_{n}")
+            grows = Mux(seen, Const(period_alone, shape), Const(both, shape))
+            accumulate(m, total, skewed(m, grows, name=f"grows_{n}"), restart=a_rise)
+            return ~total[-1]
 
         forward = reaches(1, 1) & reaches(-1, 3)
         reverse = reaches(1, 5) & reaches(-1, 7)
 
         late = verdict_ticks(config)
-        closes = delayed(m, closes, late, name="closes")
-        judged = delayed(m, self.judged, late, name="judged")
-        watched = delayed(m, self.watched, late, name="watched")
+        closes, judged, watched = delayed(
+            m, Cat(closes, self.judged, self.watched), late, name="verdict"
+        )
         with m.If(closes):
             m.d.sync += self.phase_direction.eq(
                 Mux(

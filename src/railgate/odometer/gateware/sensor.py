@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.gateware.period import Period, verdict_ticks
 from railgate.odometer.gateware.stamps import STAMP_LAYOUT, Stamps
-from railgate.odometer.gateware.steps import Elapsed, Steps
+from railgate.odometer.gateware.steps import Ages, Steps
 from railgate.odometer.gateware.watch import Watch
 from railgate.odometer.gateware.window import Window
 from railgate.odometer.spec import Config, Field, Flag
@@ -23,7 +23,7 @@ LATE = 3
 """Ticks by which a sensor takes edges and strobes later than they are, but where it says so."""
 
 
-SKEWED = ("position", "rejected_glitches", "window_ticks", "sum_a", "sum_b")
+SKEWED = ("position", "rejected_glitches", "sum_a", "sum_b")
 """Fields that are sums, each chunk of them a tick later than the one below."""
 
 
@@ -35,10 +35,9 @@ def shape(field: Field) -> Shape:
 def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
     """How many ticks after that of the latch which bits of a sensor's field are what it latches."""
     late = LATE + {
-        "window_seated": 1,
-        "window_n": 2,
+        "window_n": 1,
         "window_ticks": 2,
-        "sum_a": 3,
+        "sum_a": 2,
         "sum_b": 4,
         "phase_direction": verdict_ticks(config),
         "flags": verdict_ticks(config) + 1,
@@ -101,13 +100,16 @@ class Sensor(wiring.Component):
             wiring.connect(m, stamps.stamps, wiring.flipped(self.stamps))
             events[Flag.STAMP_OVERFLOW] = stamps.overflow, -2
 
-        # LATE, as the steps are.
-        restart_rise = delayed(m, a_rise | start, 2, init=1, name="restart_rise")
-        restart_edge = delayed(m, a_edge | b_edge | start, 2, init=1, name="restart_edge")
-        restart_either = delayed(m, a_rise | b_rise | start, 2, init=1, name="restart_either")
-        a_rise, b_rise, a_level, b_level = delayed(
-            m, Cat(a_rise, b_rise, a_level, b_level), 2, name="edges"
+        # LATE, as the steps are, or a tick before.
+        start = delayed(m, start, 1, init=1, name="start")
+        a_soon, b_soon, a_level, b_level = delayed(
+            m, Cat(a_rise, b_rise, a_level, b_level), 1, name="edges"
         )
+        a_edge, b_edge = delayed(m, Cat(a_edge, b_edge), 1, name="steps")
+        a_rise, b_rise = delayed(m, Cat(a_soon, b_soon), 1, name="rises")
+        a_level, b_level = delayed(m, Cat(a_level, b_level), 1, name="levels")
+        restart_edge = delayed(m, a_edge | b_edge | start, 1, init=1, name="restart_edge")
+        restart_either = delayed(m, a_soon | b_soon | start, 1, init=1, name="restart_either")
         glitches = delayed(m, a.glitch + b.glitch, LATE, name="glitches")
         m.d.sync += [self.level_a.eq(a_level), self.level_b.eq(b_level)]
         step = Signal.like(self.position)
@@ -118,28 +120,51 @@ class Sensor(wiring.Component):
         count(m, self.b_rising, b_rise)
         count(m, self.direction_changes, steps.reversal)
         count(m, self.illegal_transitions, steps.illegal)
-        pulses = count(m, self.pulses, a_rise, clear=latch, saturates=True)
+        # An edge in the tick of the latch is counted a tick later: there is none in the next tick.
+        latch_soon, counted = self.latches[LATE - 1], Signal()
+        m.d.sync += counted.eq((a_soon & ~latch_soon) | (a_rise & latch))
+        pulses_full = count(m, self.pulses, counted, restart=latch, saturates=True)
         events[Flag.REVERSAL] = steps.reversal, 0
         events[Flag.ILLEGAL] = steps.illegal, 0
         events[Flag.GLITCH] = glitches.any(), 0
 
-        m.submodules.since_rise = since_rise = Elapsed(config.period_bits)
-        m.submodules.since_edge = since_edge = Elapsed(config.period_bits)
+        m.submodules.window = window = Window(config)
+        m.submodules.ages = ages = Ages(config.period_bits)
         m.d.comb += [
-            since_rise.restart.eq(restart_rise),
-            since_edge.restart.eq(restart_edge),
-            self.since_rise.eq(since_rise.ticks),
-            self.since_edge.eq(since_edge.ticks),
+            ages.tick_0_soon.eq(start),
+            ages.edge_soon.eq(a_soon),
+            ages.moves_soon.eq(latch_soon | window.moves),
+            self.since_rise.eq(ages.since_last),
+            window.a_rise.eq(a_rise),
+            window.broken.eq(steps.broken),
+            window.latch.eq(latch),
+            window.latch_soon.eq(latch_soon),
+            window.elapsed.eq(ages.boundary),
+            window.full.eq(ages.boundary_full),
+            self.window_seated.eq(window.window_seated),
+            self.window_n.eq(window.window_n),
+            self.window_ticks.eq(window.window_ticks),
+            self.sum_a.eq(window.sum_a),
+            self.sum_b.eq(window.sum_b),
         ]
+        events[Flag.WINDOW_VOID] = window.void, 1
+        events[Flag.WINDOW_OVERFLOW] = window.overflow, 1
+        since_edge = Signal.like(self.since_edge, init=1)
+        count(m, since_edge, restart=restart_edge, saturates=True)
+        m.d.sync += self.since_edge.eq(Mux(restart_edge, 0, since_edge))
+        reaches = ages.last_full & ~delayed(m, ages.last_full, 1, name="was_full")
+        full = delayed(m, reaches | (counted & pulses_full), 1, name="full")
+        events[Flag.SATURATED] = window.saturated | full, 1
 
         m.submodules.period = period = Period(config)
         m.d.comb += [
-            period.a_rise.eq(a_rise),
-            period.b_rise.eq(b_rise),
+            period.a_rise_soon.eq(a_soon),
+            period.b_rise_soon.eq(b_soon),
             period.broken.eq(steps.broken),
-            period.restart.eq(restart_rise),
-            period.elapsed.eq(since_rise.now),
-            period.full.eq(since_rise.full),
+            period.restart.eq(ages.restarts),
+            period.elapsed.eq(ages.last),
+            period.since_rise.eq(ages.since_last),
+            period.full.eq(ages.last_full),
             self.period.eq(period.period),
             self.period_valid.eq(period.period_valid),
             self.phase.eq(period.phase),
@@ -159,26 +184,6 @@ class Sensor(wiring.Component):
         events[Flag.MISMATCH] = watch.mismatch, 1
         events[Flag.A_MISSING] = watch.a_missing, 1
         events[Flag.B_MISSING] = watch.b_missing, 1
-
-        # A tick later again, since its ticks are a copy of since_rise.
-        m.submodules.window = window = Window(config)
-        m.d.comb += [
-            Cat(window.a_rise, window.broken).eq(
-                delayed(m, Cat(a_rise, steps.broken), 1, name="window_edges")
-            ),
-            window.latch.eq(self.latches[LATE + 1]),
-            window.latch_soon.eq(Cat(latch, self.latches[LATE - 1])),
-            window.since_rise.eq(since_rise.state),
-            self.window_seated.eq(window.window_seated),
-            self.window_n.eq(window.window_n),
-            self.window_ticks.eq(window.window_ticks),
-            self.sum_a.eq(window.sum_a),
-            self.sum_b.eq(window.sum_b),
-        ]
-        events[Flag.WINDOW_VOID] = window.void, 2
-        events[Flag.WINDOW_OVERFLOW] = window.overflow, 2
-        full = since_rise.reaches | (a_rise & pulses.full & ~latch)
-        events[Flag.SATURATED] = window.saturated | delayed(m, full, 2, name="full"), 2
 
         told = verdict_ticks(config) + 1
         happened = Signal(len(Flag))

@@ -1,4 +1,4 @@
-"""From filtered levels to steps of a quarter pitch, and ticks since an event."""
+"""From filtered levels to steps of a quarter pitch, and ticks since edges."""
 
 from __future__ import annotations
 
@@ -7,40 +7,56 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.spec import Direction
-from railgate.primitives.chunked import count, delayed, state_bits
+from railgate.primitives.chunked import count
 
-__all__ = ["Elapsed", "Steps"]
+__all__ = ["Ages", "Steps"]
 
 
-class Elapsed(wiring.Component):
-    """Ticks since an event, that stay at the greatest value of `width` bits.
+class Ages(wiring.Component):
+    """Ticks since the last edge and since the boundary, which is some edge before or that one.
 
-    restart: in, 1 bit, the event. now: out, register, ticks since the last event before this tick.
-    full: out, 1 bit, register, `now` is its greatest value. ticks: out, register, `now` as it
-    stood after the tick before, so 0 after an event. reaches: out, 1 bit, `full` for the first time.
-    state: out, all that the counter `now` consists of.
+    Two counters, that stay at the greatest value of `width` bits: where the boundary moves, it
+    moves to the last edge, whose counter is then its own too, and the next edge takes the other.
+
+    edge_soon: in, 1 bit, there is an edge in the next tick. moves_soon: in, 1 bit, the boundary of
+    the next tick is the last edge before it. tick_0_soon: in, 1 bit, that is tick 0, or before.
+    last, boundary: out, ticks since the one before this tick. last_full, boundary_full: out, 1 bit,
+    it is their greatest value. since_last: out, register, `last` as it stood after the tick before,
+    so 0 after an edge. restarts: out, 1 bit, register, there is an edge, or it is tick 0.
     """
 
     def __init__(self, width: int) -> None:
         super().__init__(
-            {
-                "restart": In(1),
-                "now": Out(width),
-                "full": Out(1),
-                "ticks": Out(width),
-                "reaches": Out(1),
-                "state": Out(state_bits(width)),
-            }
+            {name: In(1) for name in ("edge_soon", "moves_soon", "tick_0_soon")}
+            | {name: Out(width) for name in ("last", "boundary", "since_last")}
+            | {name: Out(1) for name in ("last_full", "boundary_full")}
+            | {"restarts": Out(1, init=1)}
         )
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        now = count(m, self.now, clear=self.restart, saturates=True)
-        m.d.sync += self.ticks.eq(Mux(self.restart, 0, self.now))
+        newest, last, boundary = Signal(), Signal(), Signal()  # which counter is whose
+        boundary_soon = Mux(self.moves_soon, newest, boundary)
+        m.d.sync += [boundary.eq(boundary_soon), last.eq(newest)]
+        with m.If(self.edge_soon):
+            m.d.sync += newest.eq(~boundary_soon)
+
+        ages, full = [], []
+        for which in range(2):
+            age = Signal.like(self.last, init=1, name=f"age_{which}")
+            restart = Signal(init=1, name=f"restart_{which}")
+            m.d.sync += restart.eq((self.edge_soon & (boundary_soon != which)) | self.tick_0_soon)
+            ages.append(age)
+            full.append(count(m, age, restart=restart, saturates=True))
+        m.d.sync += [
+            self.restarts.eq(self.edge_soon | self.tick_0_soon),
+            self.since_last.eq(Mux(self.restarts, 0, self.last)),
+        ]
         m.d.comb += [
-            self.full.eq(now.full),
-            self.state.eq(now.state),
-            self.reaches.eq(now.full & ~delayed(m, now.full, 1, name="was_full")),
+            self.last.eq(Mux(last, *ages[::-1])),
+            self.last_full.eq(Mux(last, *full[::-1])),
+            self.boundary.eq(Mux(boundary, *ages[::-1])),
+            self.boundary_full.eq(Mux(boundary, *full[::-1])),
         ]
         return m
 

@@ -33,9 +33,9 @@ class Watch(wiring.Component):
         m = Module()
         config = self._config
 
-        since_either = Signal(range(config.watch_ticks + 1))
-        count(m, since_either, clear=self.restart)
-        over = exceeds(m, since_either, config.watch_ticks, clear=self.restart)
+        since_either = Signal(range(config.watch_ticks + 1), init=1)
+        count(m, since_either, restart=self.restart)
+        over = exceeds(m, since_either, config.watch_ticks, restart=self.restart)
         rise, late, judged, watched = Signal(), Signal(), Signal(), Signal()
         m.d.sync += [
             rise.eq(self.a_rise | self.b_rise),
