@@ -12,7 +12,9 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
 
 __all__ = ["CHUNK_BITS", "accumulate", "chunks", "count", "delayed", "exceeds", "masked", "skewed"]
 
-CHUNK_BITS = 10
+CHUNK_BITS = 12
+LOW_BITS = 3
+"""Of a counter: while they go through all their values, its other chunks are looked through."""
 
 
 def chunks(width: int) -> list[slice]:
@@ -22,12 +24,18 @@ def chunks(width: int) -> list[slice]:
 
 
 def delayed(
-    m: Module, value: ValueLike, ticks: int, *, init: int = 0, name: str = "delayed"
+    m: Module,
+    value: ValueLike,
+    ticks: int,
+    *,
+    init: int = 0,
+    reset_less: bool = False,
+    name: str = "delayed",
 ) -> Value:
-    """What the value was so many ticks ago; `init` in the first ones."""
+    """What the value was so many ticks ago; `init` in the first ones, unless it is reset_less."""
     value = Value.cast(value)
     for tick in range(ticks):
-        register = Signal(value.shape(), init=init, name=f"{name}_{tick}")
+        register = Signal(value.shape(), init=init, reset_less=reset_less, name=f"{name}_{tick}")
         m.d.sync += register.eq(value)
         value = register
     return value
@@ -38,42 +46,45 @@ def count(
 ) -> Signal:
     """Makes a register a counter: in each tick value' = restart ? its init : value + up.
 
-    up, restart: 1 bit. saturates: it stays all ones, else wraps. Returns a
-    register of 1 bit: it is all ones, exact in every tick.
+    value: may be reset_less where `restart` is 1 in the first tick. up, restart: 1 bit. saturates:
+    it stays all ones, else wraps. Returns a register of 1 bit: it is all ones, exact in every tick.
 
-    The low chunk counts. The next ones change only as it wraps, so that there is time to find out
-    whether the carry will pass them: `ahead` tells of each whether it and all below it, the low
-    one aside, are all ones, as late as it is high; `wraps` tells of the low one, exactly.
+    The low bits count. The chunks above change only as these wrap, so that there is time to find
+    out whether the carry will pass them: `ahead` tells of each whether it and all below it, the low
+    bits aside, are all ones, as late as it is high; `passes` of each, exactly, whether the next one
+    up passes through all below it.
     """
-    low, *high = (value[part] for part in chunks(len(value)))
-    wraps = Signal(name=f"{value.name}_wraps")
-    ahead = Signal(len(high), name=f"{value.name}_ahead")
-    full = Signal(name=f"{value.name}_full")
-    passes = [Value.cast(1), *ahead]
-    go = up & ~full if saturates else up
-    with m.If(go):
+    low, high = value[:LOW_BITS], value[LOW_BITS:]
+    above = [high[part] for part in chunks(len(high))]
+    ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
+    passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
+    full = Signal(name=f"{value.name}_full", reset_less=value.reset_less)
+    with m.If(up & ~full if saturates else up):
         m.d.sync += low.eq(low + 1)
-    for here, chunk in zip(passes, high, strict=False):
-        with m.If(go & wraps & here):
+    for carry, chunk in zip(passes, above, strict=True):
+        with m.If(up & carry):
             m.d.sync += chunk.eq(chunk + 1)
     ones = Cat(low[0] ^ up, low[1:]).all()
+    below = Cat(1, ahead)
+    stays = (below[-1], full) if saturates else (0, 0)
     m.d.sync += [
-        wraps.eq((full if saturates else 0) | ones),
-        full.eq((full if saturates else 0) | (ones & passes[-1])),
-        ahead.eq(Cat(here & chunk.all() for here, chunk in zip(passes, high, strict=False))),
+        passes.eq(Cat(ones & here & ~stays[0] for here in below[:-1])),
+        full.eq((ones & below[-1]) | stays[1]),
+        ahead.eq(Cat(here & chunk.all() for here, chunk in zip(below, above, strict=False))),
     ]
     with m.If(restart):
-        m.d.sync += [register.eq(register.init) for register in (value, wraps, ahead, full)]
+        m.d.sync += [register.eq(register.init) for register in (value, ahead, passes, full)]
     return full
 
 
 def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Signal:
     """Register: whether a counter that goes up in each tick, from `restart` on, is > limit.
 
-    limit: at least 2 above where it restarts. It stays 1 until `restart`, also where it wraps.
+    limit: at least 2 above where it restarts. restart: 1 bit, 1 in the first tick. It stays 1 until
+    `restart`, also where the counter wraps.
     """
-    near = Signal(len(chunks(len(value))), name=f"{value.name}_near_{limit}")
-    over = Signal(name=f"{value.name}_over_{limit}")
+    near = Signal(len(chunks(len(value))), reset_less=True, name=f"{value.name}_near_{limit}")
+    over = Signal(reset_less=True, name=f"{value.name}_over_{limit}")
     with m.If(restart):
         m.d.sync += [near.eq(0), over.eq(0)]
     with m.Else():
@@ -85,34 +96,43 @@ def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Sign
     return over
 
 
-def skewed(m: Module, value: Value, name: str = "skewed") -> Value:
+def skewed(
+    m: Module, value: Value, *, reset_less: bool = False, name: str = "skewed"
+) -> Value:
     """The value, each chunk of it a tick later than the one below."""
     return Cat(
-        delayed(m, value[part], late, name=f"{name}_{late}")
+        delayed(m, value[part], late, reset_less=reset_less, name=f"{name}_{late}")
         for late, part in enumerate(chunks(len(value)))
     )
 
 
 def masked(m: Module, value: Value, by: ValueLike, name: str = "masked") -> Value:
-    """The skewed value of the tick before where `by` was 1, else 0; skewed."""
-    taken = Signal(len(value), name=name)
+    """The skewed value of the tick before where `by` was 1 in the tick before that, else 0."""
+    taken = Signal(len(value), reset_less=True, name=name)
     for late, part in enumerate(chunks(len(value))):
-        m.d.sync += taken[part].eq(Mux(by, value[part], 0))
-        by = delayed(m, by, 1, name=f"{name}_by_{late}")
+        drops = Signal(init=1, name=f"{name}_drops_{late}")
+        m.d.sync += drops.eq(~by)
+        m.d.sync += taken[part].eq(Mux(drops, 0, value[part]))
+        by = ~drops
     return taken
 
 
 def accumulate(m: Module, total: Signal, addend: Value, *, restart: ValueLike = 0) -> None:
     """Makes a register a sum: in each tick total' = restart ? its init : total + addend, skewed.
 
-    addend: skewed, at most as wide. restart: 1 bit, in the tick of the low chunk.
+    total: may be reset_less where `restart` is 1 in the first tick; as may then what makes up the
+    addend. addend: skewed, at most as wide. restart: 1 bit, in the tick of the low chunk.
     """
     start = Const(total.init, len(total))
     carry: ValueLike = 0
     for late, part in enumerate(chunks(len(total))):
-        chunk, to = total[part], Signal(name=f"{total.name}_carry_{late}")
+        chunk = total[part]
+        to = Signal(name=f"{total.name}_carry_{late}", reset_less=total.reset_less)
         more = Cat(1, chunk) + Cat(carry, addend[part])
         m.d.sync += Cat(chunk, to).eq(more[1:])
         with m.If(restart):
             m.d.sync += [chunk.eq(start[part]), to.eq(0)]
-        carry, restart = to, delayed(m, restart, 1, name=f"{total.name}_restart_{late}")
+        carry = to
+        restart = delayed(
+            m, restart, 1, init=total.reset_less, name=f"{total.name}_restart_{late}"
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Cat, Module, Signal, Value
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -45,11 +45,11 @@ class Gate(wiring.Component):
             self.busy.eq(opens | (self.busy & ~publish)),
         ]
         count(m, self.ticks, delayed(m, 1, 1, name="started"))
-        count(m, self.number, publish)
-        strobe_time = Signal.like(self.time)
+        count(m, self.number, _own(m, self.latches[-2], "counts"))
+        strobe_time = Signal.like(self.time, reset_less=True)
         with m.If(self.latches[0]):
             m.d.sync += strobe_time.eq(self.ticks)
-        with m.If(publish):
+        with m.If(_own(m, self.latches[-2], "tells")):
             m.d.sync += self.time.eq(strobe_time)
         return m
 
@@ -90,13 +90,21 @@ class Odometer(wiring.Component):
             m.submodules[f"sensor_{index}"] = sensor = Sensor(self._config)
             m.d.comb += [sensor.a.eq(pins.a), sensor.b.eq(pins.b), sensor.latches.eq(gate.latches)]
             for field in self._config.sensor_fields:
-                latched = Signal(shape(field), name=f"latched_{index}_{field.name}")
+                name = f"latched_{index}_{field.name}"
+                latched = Signal(shape(field), reset_less=True, name=name)
                 for part, late in settled(self._config, field):
-                    with m.If(gate.latches[late]):
+                    with m.If(_own(m, gate.latches[late - 1], f"takes_{index}_{field.name}")):
                         m.d.sync += latched[part].eq(getattr(sensor, field.name)[part])
-                with m.If(gate.latches[-1]):
+                with m.If(_own(m, gate.latches[-2], f"tells_{index}_{field.name}")):
                     m.d.sync += getattr(pins, field.name).eq(latched)
             if self._config.stamp_depth:
                 m.d.comb += sensor.ticks.eq(gate.ticks)
                 wiring.connect(m, sensor.stamps, wiring.flipped(pins.stamps))
         return m
+
+
+def _own(m: Module, value: Value, name: str) -> Signal:
+    """What the value was a tick ago, in a register that tools do not share with others."""
+    register = Signal(name=name, attrs={"keep": True})
+    m.d.sync += register.eq(value)
+    return register

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, signed
+from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -61,16 +61,17 @@ class Period(wiring.Component):
 
         begun, seen = Signal(), Signal()  # a has risen, b has risen since
         a_rise, first_b, closes = Signal(), Signal(), Signal()
+        seen_soon = ~self.a_rise_soon & (seen | self.b_rise_soon)
         m.d.sync += [
             begun.eq(begun | self.a_rise_soon),
-            seen.eq(~self.a_rise_soon & (seen | self.b_rise_soon)),
+            seen.eq(seen_soon),
             a_rise.eq(self.a_rise_soon),
             first_b.eq(self.b_rise_soon & ~seen),
             closes.eq(self.a_rise_soon & begun),
         ]
 
         broken = Signal()
-        lag = Signal(config.period_bits)  # rising a to rising b, 0: none yet
+        lag = Signal(config.period_bits, reset_less=True)  # rising a to rising b, 0: none yet
         m.d.sync += broken.eq(~a_rise & (broken | self.broken))
         with m.If(first_b):
             m.d.sync += lag.eq(self.elapsed)
@@ -98,9 +99,10 @@ class Period(wiring.Component):
         def reaches(sign: int, n: int) -> Value:
             shape = signed(config.period_bits + 4)
             both, period_alone = sign * (8 - n), -sign * n
-            total = Signal(shape, init=both, name=f"total_{n}")
-            grows = Mux(seen, Const(period_alone, shape), Const(both, shape))
-            accumulate(m, total, skewed(m, grows, name=f"grows_{n}"), restart=a_rise)
+            total = Signal(shape, init=both, reset_less=True, name=f"total_{n}")
+            grows = Signal(shape, reset_less=True, name=f"grows_{n}")
+            m.d.sync += grows.eq(Mux(seen_soon, period_alone, both))
+            accumulate(m, total, skewed(m, grows, reset_less=True), restart=a_rise)
             return ~total[-1]
 
         forward = reaches(1, 1) & reaches(-1, 3)

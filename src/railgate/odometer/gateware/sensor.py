@@ -35,16 +35,16 @@ def shape(field: Field) -> Shape:
 def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
     """How many ticks after that of the latch which bits of a sensor's field are what it latches."""
     late = LATE + {
-        "window_n": 1,
-        "window_ticks": 2,
-        "sum_a": 2,
-        "sum_b": 4,
+        "window_n": 2,
+        "window_ticks": 3,
+        "sum_a": 3,
+        "sum_b": 5,
         "phase_direction": verdict_ticks(config),
         "flags": verdict_ticks(config) + 1,
     }.get(field.name, 0)
-    skew = field.name in SKEWED
-    for index, part in enumerate(chunks(field.width)):
-        yield part, late + index * skew
+    skew = chunks(field.width) if field.name in SKEWED else [slice(None)]
+    for index, part in enumerate(skew):
+        yield part, late + index
 
 
 class Sensor(wiring.Component):
@@ -113,7 +113,7 @@ class Sensor(wiring.Component):
         glitches = delayed(m, a.glitch + b.glitch, LATE, name="glitches")
         m.d.sync += [self.level_a.eq(a_level), self.level_b.eq(b_level)]
         step = Signal.like(self.position)
-        m.d.comb += step.eq(Mux(steps.reverse, -1, steps.forward))
+        m.d.comb += step.eq(steps.step)
         accumulate(m, self.position, skewed(m, step, name="step"))
         accumulate(m, self.rejected_glitches, skewed(m, glitches, name="glitch"))
         count(m, self.a_rising, a_rise)
@@ -138,7 +138,7 @@ class Sensor(wiring.Component):
             window.a_rise.eq(a_rise),
             window.broken.eq(steps.broken),
             window.latch.eq(latch),
-            window.latch_soon.eq(latch_soon),
+            window.latch_soon.eq(Cat(latch_soon, self.latches[LATE - 2])),
             window.elapsed.eq(ages.boundary),
             window.full.eq(ages.boundary_full),
             self.window_seated.eq(window.window_seated),
@@ -149,9 +149,11 @@ class Sensor(wiring.Component):
         ]
         events[Flag.WINDOW_VOID] = window.void, 1
         events[Flag.WINDOW_OVERFLOW] = window.overflow, 1
-        since_edge = Signal.like(self.since_edge, init=1)
-        count(m, since_edge, restart=restart_edge, saturates=True)
-        m.d.sync += self.since_edge.eq(Mux(restart_edge, 0, since_edge))
+        edge_age = Signal.like(self.since_edge, init=1, reset_less=True)
+        since_edge = Signal.like(self.since_edge, reset_less=True)
+        count(m, edge_age, restart=restart_edge, saturates=True)
+        m.d.sync += since_edge.eq(Mux(restart_edge, 0, edge_age))
+        m.d.comb += self.since_edge.eq(since_edge)
         reaches = ages.last_full & ~delayed(m, ages.last_full, 1, name="was_full")
         full = delayed(m, reaches | (counted & pulses_full), 1, name="full")
         events[Flag.SATURATED] = window.saturated | full, 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Mux, Signal
+from amaranth.hdl import Cat, Module, Mux, Signal, signed
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
@@ -43,16 +43,18 @@ class Ages(wiring.Component):
 
         ages, full = [], []
         for which in range(2):
-            age = Signal.like(self.last, init=1, name=f"age_{which}")
+            age = Signal.like(self.last, init=1, reset_less=True, name=f"age_{which}")
             restart = Signal(init=1, name=f"restart_{which}")
             m.d.sync += restart.eq((self.edge_soon & (boundary_soon != which)) | self.tick_0_soon)
             ages.append(age)
             full.append(count(m, age, restart=restart, saturates=True))
+        since_last = Signal.like(self.since_last, reset_less=True)
         m.d.sync += [
             self.restarts.eq(self.edge_soon | self.tick_0_soon),
-            self.since_last.eq(Mux(self.restarts, 0, self.last)),
+            since_last.eq(Mux(self.restarts, 0, self.last)),
         ]
         m.d.comb += [
+            self.since_last.eq(since_last),
             self.last.eq(Mux(last, *ages[::-1])),
             self.last_full.eq(Mux(last, *full[::-1])),
             self.boundary.eq(Mux(boundary, *ages[::-1])),
@@ -65,19 +67,20 @@ class Steps(wiring.Component):
     """Quadrature decoder: forward is (a, b) = 00 → 10 → 11 → 01 → 00.
 
     a, b: in, 1 bit, the levels after this tick's edges. a_edge, b_edge: in, 1 bit.
-    forward, reverse, illegal: out, 1 bit, registers, what the edges of two ticks ago are. reversal:
-    out, 1 bit, register, a step against the direction. broken: out, 1 bit, register, a reversal or
-    illegal. direction: out, 2 bits, register, of the last step, see Direction; NONE after an
-    illegal transition; it is new in the tick after the step. Requirements ODO-5, ODO-6.
+    step: out, 2 bits, signed, register, 1 forward and - 1 in reverse, of the edges of two ticks
+    ago. illegal, reversal, broken: out, 1 bit, registers, as late: two edges at once, a step
+    against the direction, either of these. direction: out, 2 bits, register, of the last step, see
+    Direction; NONE after an illegal transition; it is new in the tick after the step.
+    Requirements ODO-5, ODO-6.
     """
 
     def __init__(self) -> None:
         inputs = ("a", "b", "a_edge", "b_edge")
-        events = ("forward", "reverse", "illegal", "reversal", "broken")
+        events = ("illegal", "reversal", "broken")
         super().__init__(
             {name: In(1) for name in inputs}
             | {name: Out(1) for name in events}
-            | {"direction": Out(2)}
+            | {"step": Out(signed(2)), "direction": Out(2)}
         )
 
     def elaborate(self, _platform: object) -> Module:
@@ -101,8 +104,7 @@ class Steps(wiring.Component):
         with m.Elif(illegal):
             m.d.sync += heading.eq(Direction.NONE)
         m.d.sync += [
-            self.forward.eq(forward),
-            self.reverse.eq(reverse),
+            self.step.eq(Cat(forward | reverse, reverse)),
             self.illegal.eq(illegal),
             self.reversal.eq(reversal),
             self.broken.eq(reversal | illegal),

@@ -33,7 +33,7 @@ class Watch(wiring.Component):
         m = Module()
         config = self._config
 
-        since_either = Signal(range(config.watch_ticks + 1), init=1)
+        since_either = Signal(range(config.watch_ticks + 1), init=1, reset_less=True)
         count(m, since_either, restart=self.restart)
         over = exceeds(m, since_either, config.watch_ticks, restart=self.restart)
         rise, late, judged, watched = Signal(), Signal(), Signal(), Signal()

@@ -17,11 +17,11 @@ class Window(wiring.Component):
 
     a_rise: in, 1 bit. broken: in, 1 bit, a reversal or an illegal transition. latch: in, 1 bit, in
     the tick after the strobe, in which the last edge is the boundary before this tick's own events.
-    latch_soon: in, 1 bit, a tick before. elapsed, full: in, ticks since the boundary, and that they
+    latch_soon: in, 2 bits, it is in the next tick, in the one after that. elapsed, full: in, ticks since the boundary, and that they
     are period_max. moves: out, 1 bit, register, the last tick's edge was a new boundary, which
     `elapsed` need not tell before the next tick.
-    window_seated: out, register, the field of that name; window_n a tick, window_ticks two, and,
-    skewed, sum_a two and sum_b four ticks later.
+    window_seated: out, register, the field of that name; window_n two, window_ticks three, and,
+    skewed, sum_a three and sum_b five ticks later.
     saturated, overflow, void: out, 1 bit, registers, why and that a seated window was lost in the
     tick before. Requirement ODO-10.
     """
@@ -33,7 +33,7 @@ class Window(wiring.Component):
                 "a_rise": In(1),
                 "broken": In(1),
                 "latch": In(1),
-                "latch_soon": In(1),
+                "latch_soon": In(2),
                 "elapsed": In(config.period_bits),
                 "full": In(1),
                 "moves": Out(1),
@@ -52,44 +52,53 @@ class Window(wiring.Component):
         m = Module()
         config = self._config
 
-        no_more = Signal()  # n is window_pulses
+        # What counts the window's periods until there are window_pulses starts afresh before the
+        # latch, so that the edge in its tick counts.
+        added, near = Signal(), Signal(init=1)
+        most = (1 << config.window_bits) - 1
+        places = Signal.like(self.window_n, init=most - config.window_pulses, reset_less=True)
+        no_more = count(m, places, added, restart=self.void | near)
+
         kept = self.window_seated & ~self.broken
         adds = self.a_rise & kept & ~self.full & ~no_more
         expires = self.window_seated & self.full & ~self.moves
         overflows = self.a_rise & kept & ~self.full & no_more
-        voids = (self.window_seated & self.broken) | expires | overflows
         m.d.sync += [
+            near.eq(self.latch_soon.any()),
+            added.eq(adds),
             self.window_seated.eq(self.a_rise | (kept & ~expires)),
             self.moves.eq(self.a_rise & ~adds),
             self.saturated.eq(expires),
             self.overflow.eq(overflows),
-            self.void.eq(voids),
+            self.void.eq((self.window_seated & self.broken) | expires | overflows),
         ]
 
-        # What starts afresh with an edge in the tick of the latch counts it a tick later: there is
-        # no edge in the next tick.
-        postponed, added, fresh, ticks = Signal(), Signal(), Signal(), Signal.like(self.elapsed)
+        # What the snapshot latches starts afresh after it, and the edge in the tick of the latch
+        # is summed a tick later: there is none in the next tick.
+        latched, postponed = delayed(m, self.latch, 1, name="latched"), Signal()
+        sums, none, fresh = Signal(), Signal(init=1), Signal(init=1)
+        sums_soon = (added & ~latched) | postponed
         m.d.sync += [
-            postponed.eq(adds & self.latch),
-            added.eq((adds & ~self.latch) | postponed),
-            fresh.eq(voids | self.latch),
+            postponed.eq(added & latched),
+            sums.eq(sums_soon),
+            none.eq(~sums_soon),
+            fresh.eq(self.void | latched),
         ]
+        elapsed = delayed(m, self.elapsed, 1, reset_less=True, name="elapsed")
+        ticks, t = (Signal.like(self.elapsed, reset_less=True, name=name) for name in ("ticks", "t"))
         with m.If(~postponed):
-            m.d.sync += ticks.eq(self.elapsed)
+            m.d.sync += ticks.eq(elapsed)
+        m.d.sync += t.eq(Mux(none, 0, ticks))
 
-        count(m, self.window_n, added, restart=fresh)
-        most = config.window_pulses
-        counted = Signal.like(self.window_n, init=(1 << config.window_bits) - 1 - most)
-        over = count(m, counted, added, restart=self.latch_soon | self.latch | self.void)
-        m.d.comb += no_more.eq(over | (added & (most == 1)))
-
-        t = Signal.like(ticks)
-        m.d.sync += t.eq(Mux(added, ticks, 0))
-        added, fresh = delayed(m, Cat(added, fresh), 1, name="summed")
-        with m.If(added | fresh):
+        n = Signal.like(self.window_n, reset_less=True)
+        sum_a = Signal.like(self.sum_a, reset_less=True)
+        sum_b = Signal.like(self.sum_b, reset_less=True)
+        count(m, n, sums, restart=fresh)
+        sums, fresh = delayed(m, sums, 1, name="sums"), delayed(m, fresh, 1, init=1, name="fresh")
+        with m.If(sums | fresh):
             m.d.sync += self.window_ticks.eq(t)
-        accumulate(m, self.sum_a, skewed(m, t), restart=fresh)
-        added, fresh = delayed(m, Cat(added, fresh), 1, name="summed_a")
-        sum_a = masked(m, self.sum_a, added, "sum_a_added")
-        accumulate(m, self.sum_b, sum_a, restart=delayed(m, fresh, 1, name="fresh_b"))
+        accumulate(m, sum_a, skewed(m, t, reset_less=True), restart=fresh)
+        fresh = delayed(m, fresh, 2, init=1, name="fresh_b")
+        accumulate(m, sum_b, masked(m, sum_a, sums, "summed"), restart=fresh)
+        m.d.comb += [self.window_n.eq(n), self.sum_a.eq(sum_a), self.sum_b.eq(sum_b)]
         return m
