@@ -50,12 +50,13 @@ def count(
     it stays all ones, else wraps. Returns a register of 1 bit: it is all ones, exact in every tick.
 
     The low bits count. The chunks above change only as these wrap, so that there is time to find
-    out whether the carry will pass them: `ahead` tells of each whether it and all below it, the low
-    bits aside, are all ones, as late as it is high; `passes` of each, exactly, whether the next one
-    up passes through all below it.
+    out whether the carry will pass them: `ones` tells of each, late, whether it is all ones, `ahead`
+    whether all below it, the low bits aside, are so too, the later the higher it is; `passes`,
+    exactly, whether the next one up passes through all below it.
     """
     low, high = value[:LOW_BITS], value[LOW_BITS:]
     above = [high[part] for part in chunks(len(high))]
+    ones = Signal(len(above), name=f"{value.name}_ones", reset_less=value.reset_less)
     ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
     passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
     full = Signal(name=f"{value.name}_full", reset_less=value.reset_less)
@@ -64,16 +65,17 @@ def count(
     for carry, chunk in zip(passes, above, strict=True):
         with m.If(up & carry):
             m.d.sync += chunk.eq(chunk + 1)
-    ones = Cat(low[0] ^ up, low[1:]).all()
+    wraps = Cat(low[0] ^ up, low[1:]).all()
     below = Cat(1, ahead)
     stays = (below[-1], full) if saturates else (0, 0)
     m.d.sync += [
-        passes.eq(Cat(ones & here & ~stays[0] for here in below[:-1])),
-        full.eq((ones & below[-1]) | stays[1]),
-        ahead.eq(Cat(here & chunk.all() for here, chunk in zip(below, above, strict=False))),
+        passes.eq(Cat(wraps & here & ~stays[0] for here in below[:-1])),
+        full.eq((wraps & below[-1]) | stays[1]),
+        ones.eq(Cat(chunk.all() for chunk in above)),
+        ahead.eq(ones & below[:-1]),
     ]
     with m.If(restart):
-        m.d.sync += [register.eq(register.init) for register in (value, ahead, passes, full)]
+        m.d.sync += [register.eq(register.init) for register in (value, ones, ahead, passes, full)]
     return full
 
 

@@ -14,7 +14,7 @@ __all__ = ["Period", "verdict_ticks"]
 
 def verdict_ticks(config: Config) -> int:
     """From the closing edge of a period to the tick in which its phase is judged."""
-    return len(chunks(config.period_bits + 4)) - 1
+    return len(chunks(config.period_bits + 4))
 
 
 class Period(wiring.Component):
@@ -25,10 +25,10 @@ class Period(wiring.Component):
     since_rise, full: in, ticks since the last rising edge of a before this tick, the same as they
     stood after the tick before, both staying at period_max, and that `elapsed` is there.
     period, phase: out, ticks, registers. period_valid: out, 1 bit, register, the period is clean.
-    judged: out, 1 bit, a clean period closes in this tick. watched: out, 1 bit, it is no longer
-    than watch_ticks. overspeed: out, 1 bit, in the tick of the closing edge.
+    judged: out, 1 bit, a clean period was closed in the tick before. watched: out, 1 bit, it is no
+    longer than watch_ticks. overspeed: out, 1 bit, it is shorter than period_min_ticks.
     phase_direction: out, 2 bits, register, see Direction, and phase_fault: out, 1 bit, both
-    verdict_ticks later than the other ones.
+    verdict_ticks after the closing edge.
     Requirements ODO-2, ODO-4, ODO-5.
     """
 
@@ -82,10 +82,16 @@ class Period(wiring.Component):
             return exceeds(m, self.since_rise, limit - 1, restart=self.restart)
 
         clean = ~broken & ~self.broken & ~self.full
+        closed, slow, normal = delayed(
+            m,
+            Cat(closes, longer(config.watch_ticks), longer(config.period_min_ticks - 1)),
+            1,
+            name="closed",
+        )
         m.d.comb += [
-            self.judged.eq(closes & clean),
-            self.watched.eq(~longer(config.watch_ticks)),
-            self.overspeed.eq(self.judged & ~longer(config.period_min_ticks - 1)),
+            self.judged.eq(closed & self.period_valid),
+            self.watched.eq(~slow),
+            self.overspeed.eq(self.judged & ~normal),
         ]
         with m.If(closes):
             m.d.sync += [
@@ -105,12 +111,15 @@ class Period(wiring.Component):
             accumulate(m, total, skewed(m, grows, reset_less=True), restart=a_rise)
             return ~total[-1]
 
-        forward = reaches(1, 1) & reaches(-1, 3)
-        reverse = reaches(1, 5) & reaches(-1, 7)
+        forward, reverse = Signal(), Signal()
+        m.d.sync += [
+            forward.eq(reaches(1, 1) & reaches(-1, 3)),
+            reverse.eq(reaches(1, 5) & reaches(-1, 7)),
+        ]
 
         late = verdict_ticks(config)
         closes, judged, watched = delayed(
-            m, Cat(closes, self.judged, self.watched), late, name="verdict"
+            m, Cat(closed, self.judged, self.watched), late - 1, name="verdict"
         )
         with m.If(closes):
             m.d.sync += self.phase_direction.eq(

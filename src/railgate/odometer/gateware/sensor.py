@@ -172,7 +172,7 @@ class Sensor(wiring.Component):
             self.phase.eq(period.phase),
             self.phase_direction.eq(period.phase_direction),
         ]
-        events[Flag.OVERSPEED] = period.overspeed, 0
+        events[Flag.OVERSPEED] = period.overspeed, 1
         events[Flag.PHASE_FAULT] = period.phase_fault, verdict_ticks(config)
 
         m.submodules.watch = watch = Watch(config)

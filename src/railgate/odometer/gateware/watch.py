@@ -16,7 +16,7 @@ class Watch(wiring.Component):
     """Counts the rising edges of each channel since one of the other.
 
     restart: in, 1 bit, tick 0 or a rising edge of either. a_rise, b_rise: in, 1 bit. judged,
-    watched: in, 1 bit, a clean period closes in this tick, and it is no longer than watch_ticks.
+    watched: in, 1 bit, a clean period was closed a tick before, and is no longer than watch_ticks.
     mismatch, a_missing, b_missing: out, 1 bit, in the tick after the edge that shows it.
     Requirement ODO-12.
     """
@@ -36,16 +36,14 @@ class Watch(wiring.Component):
         since_either = Signal(range(config.watch_ticks + 1), init=1, reset_less=True)
         count(m, since_either, restart=self.restart)
         over = exceeds(m, since_either, config.watch_ticks, restart=self.restart)
-        rise, late, judged, watched = Signal(), Signal(), Signal(), Signal()
+        rise, late = Signal(), Signal()
         m.d.sync += [
             rise.eq(self.a_rise | self.b_rise),
             late.eq((self.a_rise | self.b_rise) & over),
-            judged.eq(self.judged),
-            watched.eq(self.watched),
         ]
 
         armed = Signal()
-        armed_now = Mux(judged, watched, armed & ~late)
+        armed_now = Mux(self.judged, self.watched, armed & ~late)
         m.d.sync += armed.eq(armed_now)
 
         mismatches = []
