@@ -12,7 +12,9 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
 
 __all__ = ["CHUNK_BITS", "accumulate", "chunks", "count", "delayed", "exceeds", "masked", "skewed"]
 
-CHUNK_BITS = 12
+CHUNK_BITS = 16
+PACE = 2
+"""Ticks by which each chunk of a sum is later than the one below."""
 LOW_BITS = 3
 """Of a counter: while they go through all their values, its other chunks are looked through."""
 
@@ -103,7 +105,7 @@ def skewed(
 ) -> Value:
     """The value, each chunk of it a tick later than the one below."""
     return Cat(
-        delayed(m, value[part], late, reset_less=reset_less, name=f"{name}_{late}")
+        delayed(m, value[part], PACE * late, reset_less=reset_less, name=f"{name}_{late}")
         for late, part in enumerate(chunks(len(value)))
     )
 
@@ -113,9 +115,8 @@ def masked(m: Module, value: Value, by: ValueLike, name: str = "masked") -> Valu
     taken = Signal(len(value), reset_less=True, name=name)
     for late, part in enumerate(chunks(len(value))):
         drops = Signal(init=1, name=f"{name}_drops_{late}")
-        m.d.sync += drops.eq(~by)
-        m.d.sync += taken[part].eq(Mux(drops, 0, value[part]))
-        by = ~drops
+        m.d.sync += [drops.eq(~by), taken[part].eq(Mux(drops, 0, value[part]))]
+        by = delayed(m, ~drops, PACE - 1, name=f"{name}_by_{late}")
     return taken
 
 
@@ -134,7 +135,7 @@ def accumulate(m: Module, total: Signal, addend: Value, *, restart: ValueLike = 
         m.d.sync += Cat(chunk, to).eq(more[1:])
         with m.If(restart):
             m.d.sync += [chunk.eq(start[part]), to.eq(0)]
-        carry = to
+        carry = delayed(m, to, PACE - 1, reset_less=total.reset_less, name=f"{total.name}_carries_{late}")
         restart = delayed(
-            m, restart, 1, init=total.reset_less, name=f"{total.name}_restart_{late}"
+            m, restart, PACE, init=total.reset_less, name=f"{total.name}_restart_{late}"
         )

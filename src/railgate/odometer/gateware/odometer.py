@@ -14,6 +14,11 @@ from railgate.primitives.chunked import count, delayed
 __all__ = ["Odometer"]
 
 
+LAST = Config.snapshot_latency_ticks - 2
+"""Ticks after the latch in which the fields change with the next one: what is only then there is
+told at once."""
+
+
 class Gate(wiring.Component):
     """Turns a strobe into one gate for all sensors, and tells when the fields may change.
 
@@ -92,11 +97,14 @@ class Odometer(wiring.Component):
             for field in self._config.sensor_fields:
                 name = f"latched_{index}_{field.name}"
                 latched = Signal(shape(field), reset_less=True, name=name)
+                live, told = getattr(sensor, field.name), getattr(pins, field.name)
+                tells = _own(m, gate.latches[-2], f"tells_{index}_{field.name}")
                 for part, late in settled(self._config, field):
-                    with m.If(_own(m, gate.latches[late - 1], f"takes_{index}_{field.name}")):
-                        m.d.sync += latched[part].eq(getattr(sensor, field.name)[part])
-                with m.If(_own(m, gate.latches[-2], f"tells_{index}_{field.name}")):
-                    m.d.sync += getattr(pins, field.name).eq(latched)
+                    takes = _own(m, gate.latches[late - 1], f"takes_{index}_{field.name}")
+                    with m.If(takes):
+                        m.d.sync += latched[part].eq(live[part])
+                    with m.If(tells):
+                        m.d.sync += told[part].eq((live if late == LAST else latched)[part])
             if self._config.stamp_depth:
                 m.d.comb += sensor.ticks.eq(gate.ticks)
                 wiring.connect(m, sensor.stamps, wiring.flipped(pins.stamps))

@@ -7,14 +7,14 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.spec import Config, Direction
-from railgate.primitives.chunked import accumulate, chunks, delayed, exceeds, skewed
+from railgate.primitives.chunked import PACE, accumulate, chunks, delayed, exceeds, skewed
 
 __all__ = ["Period", "verdict_ticks"]
 
 
 def verdict_ticks(config: Config) -> int:
     """From the closing edge of a period to the tick in which its phase is judged."""
-    return len(chunks(config.period_bits + 4))
+    return 1 + PACE * (len(chunks(config.period_bits + 4)) - 1)
 
 
 class Period(wiring.Component):

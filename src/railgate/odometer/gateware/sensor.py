@@ -15,7 +15,7 @@ from railgate.odometer.gateware.watch import Watch
 from railgate.odometer.gateware.window import Window
 from railgate.odometer.spec import Config, Field, Flag
 from railgate.primitives import FilteredInput
-from railgate.primitives.chunked import accumulate, chunks, count, delayed, skewed
+from railgate.primitives.chunked import PACE, accumulate, chunks, count, delayed, skewed
 
 __all__ = ["LATE", "Sensor", "settled", "shape"]
 
@@ -44,7 +44,7 @@ def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
     }.get(field.name, 0)
     skew = chunks(field.width) if field.name in SKEWED else [slice(None)]
     for index, part in enumerate(skew):
-        yield part, late + index
+        yield part, late + PACE * index
 
 
 class Sensor(wiring.Component):
