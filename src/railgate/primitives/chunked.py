@@ -17,11 +17,13 @@ PACE = 2
 """Ticks by which each chunk of a sum is later than the one below."""
 LOW_BITS = 3
 """Of a counter: while they go through all their values, its other chunks are looked through."""
+LOOK_BITS = 12
+"""Of each of these."""
 
 
-def chunks(width: int) -> list[slice]:
+def chunks(width: int, bits: int = CHUNK_BITS) -> list[slice]:
     """The bits of each chunk of a register of that width, from the least significant one up."""
-    ends = [*range(0, width, CHUNK_BITS), width]
+    ends = [*range(0, width, bits), width]
     return [slice(*ends) for ends in pairwise(ends)]
 
 
@@ -57,7 +59,7 @@ def count(
     exactly, whether the next one up passes through all below it.
     """
     low, high = value[:LOW_BITS], value[LOW_BITS:]
-    above = [high[part] for part in chunks(len(high))]
+    above = [high[part] for part in chunks(len(high), LOOK_BITS)]
     ones = Signal(len(above), name=f"{value.name}_ones", reset_less=value.reset_less)
     ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
     passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
@@ -87,16 +89,13 @@ def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Sign
     limit: at least 2 above where it restarts. restart: 1 bit, 1 in the first tick. It stays 1 until
     `restart`, also where the counter wraps.
     """
-    near = Signal(len(chunks(len(value))), reset_less=True, name=f"{value.name}_near_{limit}")
+    parts = chunks(len(value), LOOK_BITS)
+    near = Signal(len(parts), reset_less=True, name=f"{value.name}_near_{limit}")
     over = Signal(reset_less=True, name=f"{value.name}_over_{limit}")
+    same = (value[each] == Const(limit - 1, len(value))[each] for each in parts)
+    m.d.sync += [near.eq(Cat(same)), over.eq(over | near.all())]
     with m.If(restart):
         m.d.sync += [near.eq(0), over.eq(0)]
-    with m.Else():
-        same = [
-            value[part] == (limit - 1 >> part.start) % (1 << part.stop - part.start)
-            for part in chunks(len(value))
-        ]
-        m.d.sync += [near.eq(Cat(same)), over.eq(over | near.all())]
     return over
 
 

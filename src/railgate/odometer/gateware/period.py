@@ -27,8 +27,8 @@ class Period(wiring.Component):
     period, phase: out, ticks, registers. period_valid: out, 1 bit, register, the period is clean.
     judged: out, 1 bit, a clean period was closed in the tick before. watched: out, 1 bit, it is no
     longer than watch_ticks. overspeed: out, 1 bit, it is shorter than period_min_ticks.
-    phase_direction: out, 2 bits, register, see Direction, and phase_fault: out, 1 bit, both
-    verdict_ticks after the closing edge.
+    phase_direction: out, 2 bits, register, see Direction, verdict_ticks later than the period.
+    phase_fault: out, 1 bit, verdict_ticks + 1 after the closing edge.
     Requirements ODO-2, ODO-4, ODO-5.
     """
 
@@ -121,20 +121,20 @@ class Period(wiring.Component):
         closes, judged, watched = delayed(
             m, Cat(closed, self.judged, self.watched), late - 1, name="verdict"
         )
+        direction = Mux(forward, Direction.FORWARD, Mux(reverse, Direction.REVERSE, Direction.NONE))
         with m.If(closes):
-            m.d.sync += self.phase_direction.eq(
-                Mux(
-                    judged & forward,
-                    Direction.FORWARD,
-                    Mux(judged & reverse, Direction.REVERSE, Direction.NONE),
-                )
-            )
+            m.d.sync += self.phase_direction.eq(Mux(judged, direction, Direction.NONE))
+
+        faulty, fine = Signal(), Signal()
         before = Signal(range(config.phase_fault_periods))  # faulty ones just before this one
-        faulty = judged & watched & ~forward & ~reverse
         last = before == config.phase_fault_periods - 1
+        m.d.sync += [
+            faulty.eq(judged & watched & ~forward & ~reverse),
+            fine.eq(closes & ~(judged & watched & ~forward & ~reverse)),
+        ]
         m.d.comb += self.phase_fault.eq(faulty & last)
-        with m.If(faulty & ~last):
-            m.d.sync += before.eq(before + 1)
-        with m.Elif(closes & ~faulty):
+        with m.If(fine):
             m.d.sync += before.eq(0)
+        with m.Elif(faulty & ~last):
+            m.d.sync += before.eq(before + 1)
         return m

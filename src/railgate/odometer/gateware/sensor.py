@@ -40,7 +40,7 @@ def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
         "sum_a": 3,
         "sum_b": 5,
         "phase_direction": verdict_ticks(config),
-        "flags": verdict_ticks(config) + 1,
+        "flags": verdict_ticks(config) + 2,
     }.get(field.name, 0)
     skew = chunks(field.width) if field.name in SKEWED else [slice(None)]
     for index, part in enumerate(skew):
@@ -173,7 +173,7 @@ class Sensor(wiring.Component):
             self.phase_direction.eq(period.phase_direction),
         ]
         events[Flag.OVERSPEED] = period.overspeed, 1
-        events[Flag.PHASE_FAULT] = period.phase_fault, verdict_ticks(config)
+        events[Flag.PHASE_FAULT] = period.phase_fault, verdict_ticks(config) + 1
 
         m.submodules.watch = watch = Watch(config)
         m.d.comb += [
@@ -187,7 +187,7 @@ class Sensor(wiring.Component):
         events[Flag.A_MISSING] = watch.a_missing, 1
         events[Flag.B_MISSING] = watch.b_missing, 1
 
-        told = verdict_ticks(config) + 1
+        told = verdict_ticks(config) + 2
         happened = Signal(len(Flag))
         m.d.comb += [
             happened[flag.bit_length() - 1].eq(

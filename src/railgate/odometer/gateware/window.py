@@ -22,8 +22,8 @@ class Window(wiring.Component):
     `elapsed` need not tell before the next tick.
     window_seated: out, register, the field of that name; window_n two, window_ticks three, and,
     skewed, sum_a three and sum_b five ticks later.
-    saturated, overflow, void: out, 1 bit, registers, why and that a seated window was lost in the
-    tick before. Requirement ODO-10.
+    saturated, overflow, void: out, 1 bit, why and that a seated window was lost in the tick before.
+    Requirement ODO-10.
     """
 
     def __init__(self, config: Config) -> None:
@@ -57,20 +57,25 @@ class Window(wiring.Component):
         added, near = Signal(), Signal(init=1)
         most = (1 << config.window_bits) - 1
         places = Signal.like(self.window_n, init=most - config.window_pulses, reset_less=True)
-        no_more = count(m, places, added, restart=self.void | near)
+        no_more = count(m, places, added, restart=self.moves | near)
 
-        kept = self.window_seated & ~self.broken
+        seated = self.window_seated
+        kept = seated & ~self.broken
         adds = self.a_rise & kept & ~self.full & ~no_more
-        expires = self.window_seated & self.full & ~self.moves
-        overflows = self.a_rise & kept & ~self.full & no_more
+        full = self.full & ~self.moves
         m.d.sync += [
             near.eq(self.latch_soon.any()),
             added.eq(adds),
-            self.window_seated.eq(self.a_rise | (kept & ~expires)),
+            seated.eq(self.a_rise | (kept & ~full)),
             self.moves.eq(self.a_rise & ~adds),
-            self.saturated.eq(expires),
-            self.overflow.eq(overflows),
-            self.void.eq((self.window_seated & self.broken) | expires | overflows),
+        ]
+        was_seated, rose, broken, full, no_more = delayed(
+            m, Cat(seated, self.a_rise, self.broken, full, no_more), 1, name="before"
+        )
+        m.d.comb += [
+            self.saturated.eq(was_seated & full),
+            self.overflow.eq(was_seated & ~broken & ~full & rose & no_more),
+            self.void.eq(was_seated & (broken | full | (rose & no_more))),
         ]
 
         # What the snapshot latches starts afresh after it, and the edge in the tick of the latch
