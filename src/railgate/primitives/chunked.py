@@ -12,13 +12,13 @@ from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
 
 __all__ = ["CHUNK_BITS", "accumulate", "chunks", "count", "delayed", "exceeds", "masked", "skewed"]
 
-CHUNK_BITS = 16
+CHUNK_BITS = 12
 PACE = 2
 """Ticks by which each chunk of a sum is later than the one below."""
 LOW_BITS = 3
 """Of a counter: while they go through all their values, its other chunks are looked through."""
-LOOK_BITS = 12
-"""Of each of these."""
+LUT_BITS = 4
+"""Of what is compared in a tick."""
 
 
 def chunks(width: int, bits: int = CHUNK_BITS) -> list[slice]:
@@ -59,8 +59,9 @@ def count(
     exactly, whether the next one up passes through all below it.
     """
     low, high = value[:LOW_BITS], value[LOW_BITS:]
-    above = [high[part] for part in chunks(len(high), LOOK_BITS)]
-    ones = Signal(len(above), name=f"{value.name}_ones", reset_less=value.reset_less)
+    above = [high[part] for part in chunks(len(high))]
+    all_ones = Cat(_same(high, -1))
+    ones = Signal(len(all_ones), name=f"{value.name}_ones", reset_less=value.reset_less)
     ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
     passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
     full = Signal(name=f"{value.name}_full", reset_less=value.reset_less)
@@ -71,12 +72,13 @@ def count(
             m.d.sync += chunk.eq(chunk + 1)
     wraps = Cat(low[0] ^ up, low[1:]).all()
     below = Cat(1, ahead)
+    parts = chunks(len(ones), CHUNK_BITS // LUT_BITS)
     stays = (below[-1], full) if saturates else (0, 0)
     m.d.sync += [
         passes.eq(Cat(wraps & here & ~stays[0] for here in below[:-1])),
         full.eq((wraps & below[-1]) | stays[1]),
-        ones.eq(Cat(chunk.all() for chunk in above)),
-        ahead.eq(ones & below[:-1]),
+        ones.eq(all_ones),
+        ahead.eq(Cat(ones[part].all() & here for part, here in zip(parts, below, strict=False))),
     ]
     with m.If(restart):
         m.d.sync += [register.eq(register.init) for register in (value, ones, ahead, passes, full)]
@@ -89,37 +91,56 @@ def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Sign
     limit: at least 2 above where it restarts. restart: 1 bit, 1 in the first tick. It stays 1 until
     `restart`, also where the counter wraps.
     """
-    parts = chunks(len(value), LOOK_BITS)
-    near = Signal(len(parts), reset_less=True, name=f"{value.name}_near_{limit}")
+    same = Cat(_same(value, limit - 1))
+    near = Signal(len(same), reset_less=True, name=f"{value.name}_near_{limit}")
     over = Signal(reset_less=True, name=f"{value.name}_over_{limit}")
-    same = (value[each] == Const(limit - 1, len(value))[each] for each in parts)
-    m.d.sync += [near.eq(Cat(same)), over.eq(over | near.all())]
+    m.d.sync += [near.eq(same), over.eq(over | near.all())]
     with m.If(restart):
         m.d.sync += [near.eq(0), over.eq(0)]
     return over
 
 
+def _same(value: Value, to: int) -> list[Value]:
+    """Of each few bits of the value, from the least significant ones up, whether they are `to`."""
+    number = Const(to % (1 << len(value)), len(value))
+    return [value[part] == number[part] for part in chunks(len(value), LUT_BITS)]
+
+
 def skewed(
-    m: Module, value: Value, *, reset_less: bool = False, name: str = "skewed"
+    m: Module,
+    value: Value,
+    bits: int = CHUNK_BITS,
+    *,
+    reset_less: bool = False,
+    name: str = "skewed",
 ) -> Value:
     """The value, each chunk of it a tick later than the one below."""
     return Cat(
         delayed(m, value[part], PACE * late, reset_less=reset_less, name=f"{name}_{late}")
-        for late, part in enumerate(chunks(len(value)))
+        for late, part in enumerate(chunks(len(value), bits))
     )
 
 
-def masked(m: Module, value: Value, by: ValueLike, name: str = "masked") -> Value:
+def masked(
+    m: Module, value: Value, by: ValueLike, bits: int = CHUNK_BITS, *, name: str = "masked"
+) -> Value:
     """The skewed value of the tick before where `by` was 1 in the tick before that, else 0."""
     taken = Signal(len(value), reset_less=True, name=name)
-    for late, part in enumerate(chunks(len(value))):
+    for late, part in enumerate(chunks(len(value), bits)):
         drops = Signal(init=1, name=f"{name}_drops_{late}")
         m.d.sync += [drops.eq(~by), taken[part].eq(Mux(drops, 0, value[part]))]
         by = delayed(m, ~drops, PACE - 1, name=f"{name}_by_{late}")
     return taken
 
 
-def accumulate(m: Module, total: Signal, addend: Value, *, restart: ValueLike = 0) -> None:
+def accumulate(
+    m: Module,
+    total: Signal,
+    addend: Value,
+    bits: int = CHUNK_BITS,
+    *,
+    restart: ValueLike = 0,
+) -> None:
     """Makes a register a sum: in each tick total' = restart ? its init : total + addend, skewed.
 
     total: may be reset_less where `restart` is 1 in the first tick; as may then what makes up the
@@ -127,7 +148,7 @@ def accumulate(m: Module, total: Signal, addend: Value, *, restart: ValueLike = 
     """
     start = Const(total.init, len(total))
     carry: ValueLike = 0
-    for late, part in enumerate(chunks(len(total))):
+    for late, part in enumerate(chunks(len(total), bits)):
         chunk = total[part]
         to = Signal(name=f"{total.name}_carry_{late}", reset_less=total.reset_less)
         more = Cat(1, chunk) + Cat(carry, addend[part])

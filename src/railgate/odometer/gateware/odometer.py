@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Signal, Value
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
@@ -50,12 +50,14 @@ class Gate(wiring.Component):
             self.busy.eq(opens | (self.busy & ~publish)),
         ]
         count(m, self.ticks, delayed(m, 1, 1, name="started"))
-        count(m, self.number, _own(m, self.latches[-2], "counts"))
-        strobe_time = Signal.like(self.time, reset_less=True)
+        # The next snapshot's.
+        number = Signal.like(self.number)
+        time = Signal.like(self.time, reset_less=True)
+        count(m, number, self.latches[0])
         with m.If(self.latches[0]):
-            m.d.sync += strobe_time.eq(self.ticks)
-        with m.If(_own(m, self.latches[-2], "tells")):
-            m.d.sync += self.time.eq(strobe_time)
+            m.d.sync += time.eq(self.ticks)
+        with m.If(publish):
+            m.d.sync += [self.number.eq(number), self.time.eq(time)]
         return m
 
 
@@ -98,21 +100,12 @@ class Odometer(wiring.Component):
                 name = f"latched_{index}_{field.name}"
                 latched = Signal(shape(field), reset_less=True, name=name)
                 live, told = getattr(sensor, field.name), getattr(pins, field.name)
-                tells = _own(m, gate.latches[-2], f"tells_{index}_{field.name}")
                 for part, late in settled(self._config, field):
-                    takes = _own(m, gate.latches[late - 1], f"takes_{index}_{field.name}")
-                    with m.If(takes):
+                    with m.If(gate.latches[late]):
                         m.d.sync += latched[part].eq(live[part])
-                    with m.If(tells):
+                    with m.If(gate.latches[LAST]):
                         m.d.sync += told[part].eq((live if late == LAST else latched)[part])
             if self._config.stamp_depth:
                 m.d.comb += sensor.ticks.eq(gate.ticks)
                 wiring.connect(m, sensor.stamps, wiring.flipped(pins.stamps))
         return m
-
-
-def _own(m: Module, value: Value, name: str) -> Signal:
-    """What the value was a tick ago, in a register that tools do not share with others."""
-    register = Signal(name=name, attrs={"keep": True})
-    m.d.sync += register.eq(value)
-    return register

@@ -24,7 +24,8 @@ class Period(wiring.Component):
     a reversal or an illegal transition. restart: in, 1 bit, tick 0 or a rising edge of a. elapsed,
     since_rise, full: in, ticks since the last rising edge of a before this tick, the same as they
     stood after the tick before, both staying at period_max, and that `elapsed` is there.
-    period, phase: out, ticks, registers. period_valid: out, 1 bit, register, the period is clean.
+    period_valid: out, 1 bit, register, the period is clean. period, phase: out, ticks, registers, a
+    tick later.
     judged: out, 1 bit, a clean period was closed in the tick before. watched: out, 1 bit, it is no
     longer than watch_ticks. overspeed: out, 1 bit, it is shorter than period_min_ticks.
     phase_direction: out, 2 bits, register, see Direction, verdict_ticks later than the period.
@@ -70,36 +71,39 @@ class Period(wiring.Component):
             closes.eq(self.a_rise_soon & begun),
         ]
 
-        broken = Signal()
-        lag = Signal(config.period_bits, reset_less=True)  # rising a to rising b, 0: none yet
-        m.d.sync += broken.eq(~a_rise & (broken | self.broken))
-        with m.If(first_b):
-            m.d.sync += lag.eq(self.elapsed)
-        with m.If(a_rise):
-            m.d.sync += lag.eq(0)
-
         def longer(limit: int) -> Value:
             return exceeds(m, self.since_rise, limit - 1, restart=self.restart)
 
-        clean = ~broken & ~self.broken & ~self.full
-        closed, slow, normal = delayed(
+        broken = Signal()
+        m.d.sync += broken.eq(~a_rise & (broken | self.broken))
+        with m.If(closes):
+            m.d.sync += self.period_valid.eq(~broken & ~self.broken & ~self.full)
+
+        rose, takes, closed, slow, normal = delayed(
             m,
-            Cat(closes, longer(config.watch_ticks), longer(config.period_min_ticks - 1)),
+            Cat(
+                a_rise,
+                first_b,
+                closes,
+                longer(config.watch_ticks),
+                longer(config.period_min_ticks - 1),
+            ),
             1,
             name="closed",
         )
+        elapsed = delayed(m, self.elapsed, 1, reset_less=True, name="elapsed")
+        lag = Signal(config.period_bits, reset_less=True)  # rising a to rising b, 0: none yet
+        with m.If(takes):
+            m.d.sync += lag.eq(elapsed)
+        with m.If(rose):
+            m.d.sync += lag.eq(0)
+        with m.If(closed):
+            m.d.sync += [self.period.eq(elapsed), self.phase.eq(lag)]
         m.d.comb += [
             self.judged.eq(closed & self.period_valid),
             self.watched.eq(~slow),
             self.overspeed.eq(self.judged & ~normal),
         ]
-        with m.If(closes):
-            m.d.sync += [
-                self.period.eq(self.elapsed),
-                self.phase.eq(lag),
-                self.period_valid.eq(clean),
-            ]
-
         # FORWARD within 90° ± 45°, REVERSE within 270° ± 45°, both inclusive: as T and phase grow
         # by 1 in a tick, so do ± (8 · phase - n · T), whose signs tell.
         def reaches(sign: int, n: int) -> Value:

@@ -12,10 +12,10 @@ from railgate.odometer.gateware.period import Period, verdict_ticks
 from railgate.odometer.gateware.stamps import STAMP_LAYOUT, Stamps
 from railgate.odometer.gateware.steps import Ages, Steps
 from railgate.odometer.gateware.watch import Watch
-from railgate.odometer.gateware.window import Window
+from railgate.odometer.gateware.window import SUM_BITS, Window
 from railgate.odometer.spec import Config, Field, Flag
 from railgate.primitives import FilteredInput
-from railgate.primitives.chunked import PACE, accumulate, chunks, count, delayed, skewed
+from railgate.primitives.chunked import CHUNK_BITS, PACE, accumulate, chunks, count, delayed, skewed
 
 __all__ = ["LATE", "Sensor", "settled", "shape"]
 
@@ -23,8 +23,13 @@ LATE = 3
 """Ticks by which a sensor takes edges and strobes later than they are, but where it says so."""
 
 
-SKEWED = ("position", "rejected_glitches", "sum_a", "sum_b")
-"""Fields that are sums, each chunk of them a tick later than the one below."""
+SKEWED = {
+    "position": CHUNK_BITS,
+    "rejected_glitches": CHUNK_BITS,
+    "sum_a": SUM_BITS,
+    "sum_b": SUM_BITS,
+}
+"""Fields that are sums, and the bits of each of their chunks."""
 
 
 def shape(field: Field) -> Shape:
@@ -35,6 +40,8 @@ def shape(field: Field) -> Shape:
 def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
     """How many ticks after that of the latch which bits of a sensor's field are what it latches."""
     late = LATE + {
+        "period": 1,
+        "phase": 1,
         "window_n": 2,
         "window_ticks": 3,
         "sum_a": 3,
@@ -42,8 +49,8 @@ def settled(config: Config, field: Field) -> Iterator[tuple[slice, int]]:
         "phase_direction": verdict_ticks(config),
         "flags": verdict_ticks(config) + 2,
     }.get(field.name, 0)
-    skew = chunks(field.width) if field.name in SKEWED else [slice(None)]
-    for index, part in enumerate(skew):
+    bits = SKEWED.get(field.name, field.width)
+    for index, part in enumerate(chunks(field.width, bits)):
         yield part, late + PACE * index
 
 
@@ -69,7 +76,7 @@ class Sensor(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
-        latch = self.latches[LATE]
+        latch = delayed(m, self.latches[LATE - 1], 1, init=1, name="latch")
         events: dict[Flag, tuple[Value, int]] = {}  # with their ticks after LATE
 
         m.submodules.input_a = a = FilteredInput(config.filter_ticks)

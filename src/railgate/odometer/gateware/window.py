@@ -9,7 +9,10 @@ from amaranth.lib.wiring import In, Out
 from railgate.odometer.spec import Config
 from railgate.primitives.chunked import accumulate, count, delayed, masked, skewed
 
-__all__ = ["Window"]
+__all__ = ["SUM_BITS", "Window"]
+
+SUM_BITS = 16
+"""Of each chunk of the sums: as few as come to the snapshot in time."""
 
 
 class Window(wiring.Component):
@@ -102,8 +105,9 @@ class Window(wiring.Component):
         sums, fresh = delayed(m, sums, 1, name="sums"), delayed(m, fresh, 1, init=1, name="fresh")
         with m.If(sums | fresh):
             m.d.sync += self.window_ticks.eq(t)
-        accumulate(m, sum_a, skewed(m, t, reset_less=True), restart=fresh)
+        accumulate(m, sum_a, skewed(m, t, SUM_BITS, reset_less=True), SUM_BITS, restart=fresh)
         fresh = delayed(m, fresh, 2, init=1, name="fresh_b")
-        accumulate(m, sum_b, masked(m, sum_a, sums, "summed"), restart=fresh)
+        summed = masked(m, sum_a, sums, SUM_BITS, name="summed")
+        accumulate(m, sum_b, summed, SUM_BITS, restart=fresh)
         m.d.comb += [self.window_n.eq(n), self.sum_a.eq(sum_a), self.sum_b.eq(sum_b)]
         return m
