@@ -76,7 +76,7 @@ class Sensor(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         config = self._config
-        latch = delayed(m, self.latches[LATE - 1], 1, init=1, name="latch")
+        latch = delayed(m, self.latches[LATE - 1], 1, reset_less=True, name="latch")
         events: dict[Flag, tuple[Value, int]] = {}  # with their ticks after LATE
 
         m.submodules.input_a = a = FilteredInput(config.filter_ticks)
@@ -190,7 +190,7 @@ class Sensor(wiring.Component):
             watch.judged.eq(period.judged),
             watch.watched.eq(period.watched),
         ]
-        events[Flag.MISMATCH] = watch.mismatch, 1
+        events[Flag.MISMATCH] = watch.mismatch, 2
         events[Flag.A_MISSING] = watch.a_missing, 1
         events[Flag.B_MISSING] = watch.b_missing, 1
 

@@ -7,7 +7,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from railgate.odometer.spec import Config
-from railgate.primitives.chunked import count, exceeds
+from railgate.primitives.chunked import count, delayed, exceeds
 
 __all__ = ["Watch"]
 
@@ -17,7 +17,8 @@ class Watch(wiring.Component):
 
     restart: in, 1 bit, tick 0 or a rising edge of either. a_rise, b_rise: in, 1 bit. judged,
     watched: in, 1 bit, a clean period was closed a tick before, and is no longer than watch_ticks.
-    mismatch, a_missing, b_missing: out, 1 bit, in the tick after the edge that shows it.
+    a_missing, b_missing: out, 1 bit, in the tick after the edge that shows it. mismatch: out, 1
+    bit, two ticks after it.
     Requirement ODO-12.
     """
 
@@ -43,10 +44,9 @@ class Watch(wiring.Component):
         ]
 
         armed = Signal()
-        armed_now = Mux(self.judged, self.watched, armed & ~late)
-        m.d.sync += armed.eq(armed_now)
+        m.d.sync += armed.eq(Mux(self.judged, self.watched, armed & ~late))
 
-        mismatches = []
+        second = []
         for name, own, other, missing in (
             ("a", self.a_rise, self.b_rise, self.b_missing),
             ("b", self.b_rise, self.a_rise, self.a_missing),
@@ -59,6 +59,6 @@ class Watch(wiring.Component):
             with m.Elif(rise):
                 m.d.sync += run.eq(0)
             m.d.comb += missing.eq(alone & ~late & run[-2])
-            mismatches.append(alone & ~late & run[0] & armed_now)
-        m.d.comb += self.mismatch.eq(mismatches[0] | mismatches[1])
+            second.append(alone & ~late & run[0])
+        m.d.comb += self.mismatch.eq(delayed(m, Cat(second).any(), 1, name="second") & armed)
         return m
