@@ -65,7 +65,8 @@ def count(
     ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
     passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
     full = Signal(name=f"{value.name}_full", reset_less=value.reset_less)
-    with m.If(up & ~full if saturates else up):
+    stays = Const(saturates, 1)
+    with m.If(up & ~(full & stays)):
         m.d.sync += low.eq(low + 1)
     for carry, chunk in zip(passes, above, strict=True):
         with m.If(up & carry):
@@ -73,10 +74,9 @@ def count(
     wraps = Cat(low[0] ^ up, low[1:]).all()
     below = Cat(1, ahead)
     parts = chunks(len(ones), CHUNK_BITS // LUT_BITS)
-    stays = (below[-1], full) if saturates else (0, 0)
     m.d.sync += [
-        passes.eq(Cat(wraps & here & ~stays[0] for here in below[:-1])),
-        full.eq((wraps & below[-1]) | stays[1]),
+        passes.eq(Cat(wraps & here & ~(below[-1] & stays) for here in below[:-1])),
+        full.eq((wraps & below[-1]) | (full & stays)),
         ones.eq(all_ones),
         ahead.eq(Cat(ones[part].all() & here for part, here in zip(parts, below, strict=False))),
     ]
