@@ -60,8 +60,12 @@ class Period(wiring.Component):
         m = Module()
         config = self._config
 
-        begun, seen = Signal(), Signal()  # a has risen, b has risen since
-        a_rise, first_b, closes = Signal(), Signal(), Signal()
+        # a has risen, b has risen since
+        begun = Signal()
+        seen = Signal()
+        a_rise = Signal()
+        first_b = Signal()
+        closes = Signal()
         seen_soon = ~self.a_rise_soon & (seen | self.b_rise_soon)
         m.d.sync += [
             begun.eq(begun | self.a_rise_soon),
@@ -115,7 +119,8 @@ class Period(wiring.Component):
             accumulate(m, total, skewed(m, grows, reset_less=True), restart=a_rise)
             return ~total[-1]
 
-        forward, reverse = Signal(), Signal()
+        forward = Signal()
+        reverse = Signal()
         m.d.sync += [
             forward.eq(reaches(1, 1) & reaches(-1, 3)),
             reverse.eq(reaches(1, 5) & reaches(-1, 7)),
@@ -129,7 +134,8 @@ class Period(wiring.Component):
         with m.If(closes):
             m.d.sync += self.phase_direction.eq(Mux(judged, direction, Direction.NONE))
 
-        faulty, fine = Signal(), Signal()
+        faulty = Signal()
+        fine = Signal()
         before = Signal(range(config.phase_fault_periods))  # faulty ones just before this one
         last = before == config.phase_fault_periods - 1
         m.d.sync += [

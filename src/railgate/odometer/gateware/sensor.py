@@ -128,7 +128,8 @@ class Sensor(wiring.Component):
         count(m, self.direction_changes, steps.reversal)
         count(m, self.illegal_transitions, steps.illegal)
         # An edge in the tick of the latch is counted a tick later: there is none in the next tick.
-        latch_soon, counted = self.latches[LATE - 1], Signal()
+        latch_soon = self.latches[LATE - 1]
+        counted = Signal()
         m.d.sync += counted.eq((a_soon & ~latch_soon) | (a_rise & latch))
         pulses_full = count(m, self.pulses, counted, restart=latch, saturates=True)
         events[Flag.REVERSAL] = steps.reversal, 0

@@ -37,7 +37,8 @@ class Watch(wiring.Component):
         since_either = Signal(range(config.watch_ticks + 1), init=1, reset_less=True)
         count(m, since_either, restart=self.restart)
         over = exceeds(m, since_either, config.watch_ticks, restart=self.restart)
-        rise, late = Signal(), Signal()
+        rise = Signal()
+        late = Signal()
         m.d.sync += [
             rise.eq(self.a_rise | self.b_rise),
             late.eq((self.a_rise | self.b_rise) & over),

@@ -57,7 +57,8 @@ class Window(wiring.Component):
 
         # What counts the window's periods until there are window_pulses starts afresh before the
         # latch, so that the edge in its tick counts.
-        added, near = Signal(), Signal(init=1)
+        added = Signal()
+        near = Signal(init=1)
         most = (1 << config.window_bits) - 1
         places = Signal.like(self.window_n, init=most - config.window_pulses, reset_less=True)
         no_more = count(m, places, added, restart=self.moves | near)
@@ -83,8 +84,11 @@ class Window(wiring.Component):
 
         # What the snapshot latches starts afresh after it, and the edge in the tick of the latch
         # is summed a tick later: there is none in the next tick.
-        latched, postponed = delayed(m, self.latch, 1, name="latched"), Signal()
-        sums, none, fresh = Signal(), Signal(init=1), Signal(init=1)
+        latched = delayed(m, self.latch, 1, name="latched")
+        postponed = Signal()
+        sums = Signal()
+        none = Signal(init=1)
+        fresh = Signal(init=1)
         sums_soon = (added & ~latched) | postponed
         m.d.sync += [
             postponed.eq(added & latched),

@@ -20,6 +20,7 @@ __all__ = [
     "Observed",
     "Strobes",
     "Travel",
+    "aged",
     "counts",
     "quarter",
 ]
@@ -47,12 +48,14 @@ class Channel(wiring.Component):
 
     So f[k] = pin[k - 3] from tick 3 on.
     pin: in, 1 bit. level: out, 1 bit, f[k - late]. rise, fall: out, 1 bit, an edge in that tick,
-    from tick 4 on. begun: out, 1 bit, this is not tick 0.
+    from tick 4 on. before: out, 1 bit, the level a tick before. begun: out, 1 bit, the gateware is
+    not in tick 0.
     """
 
     def __init__(self, late: int = 0) -> None:
         super().__init__(
-            {"pin": In(1), "level": Out(1), "rise": Out(1), "fall": Out(1), "begun": Out(1)}
+            {"pin": In(1)}
+            | {name: Out(1) for name in ("level", "before", "rise", "fall", "begun")}
         )
         self._seated = SEATED + late
         self._past = Signal(self._seated + 1)
@@ -70,6 +73,7 @@ class Channel(wiring.Component):
             self.level.eq((ticks >= self._seated) & self._past[self._seated - 1]),
             self.rise.eq(told & self.level & ~before),
             self.fall.eq(told & ~self.level & before),
+            self.before.eq(told & before),
             self.begun.eq(ticks != 0),
         ]
         return m
@@ -298,6 +302,15 @@ class Observed(Monitor):
             m.d.sync += ago.eq(past)
             past = ago
         return told, Cat(*carried).all()
+
+
+def aged(inner: Internals, of: Channel, since: Value, limit: int) -> Value:
+    """The invariant of sensor 0's ticks since the last edge, which are `since`, from tick 1 on."""
+    ages = [counts(inner, f"sensor_0.ages.age_{which}", saturates=True) for which in range(2)]
+    expected = Mux(since > limit, limit, since)
+    return ~of.begun | (
+        ages[0] & ages[1] & (~of.age(1) | (inner["sensor_0.ages.last"] == expected))
+    )
 
 
 def counts(inner: Internals, name: str, *, saturates: bool = False) -> Value:
