@@ -50,14 +50,13 @@ class Gate(wiring.Component):
             self.busy.eq(opens | (self.busy & ~publish)),
         ]
         count(m, self.ticks, delayed(m, 1, 1, name="started"))
-        # The next snapshot's.
-        number = Signal.like(self.number)
-        time = Signal.like(self.time, reset_less=True)
-        count(m, number, self.latches[0])
+        next_number = Signal.like(self.number)
+        next_time = Signal.like(self.time, reset_less=True)
+        count(m, next_number, self.latches[0])
         with m.If(self.latches[0]):
-            m.d.sync += time.eq(self.ticks)
+            m.d.sync += next_time.eq(self.ticks)
         with m.If(publish):
-            m.d.sync += [self.number.eq(number), self.time.eq(time)]
+            m.d.sync += [self.number.eq(next_number), self.time.eq(next_time)]
         return m
 
 

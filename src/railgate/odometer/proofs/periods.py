@@ -84,7 +84,7 @@ CLAIMS = (
         ),
         requirements=("ODO-2",),
         monitor=_Periods,
-        method=Induction(4),
+        method=Induction(8),
         mutants=(
             _mutant("restarts-at-two", "init=1, reset_less=True, name=f\"age", "init=2, reset_less=True, name=f\"age"),
             _mutant(
