@@ -83,13 +83,13 @@ class Window(wiring.Component):
         ]
 
         # What the snapshot latches starts afresh after it, and the edge in the tick of the latch
-        # is summed a tick later: there is none in the next tick.
+        # is summed a tick later, unless the window is lost then: there is no edge in the next tick.
         latched = delayed(m, self.latch, 1, name="latched")
         postponed = Signal()
         sums = Signal()
         none = Signal(init=1)
         fresh = Signal(init=1)
-        sums_soon = (added & ~latched) | postponed
+        sums_soon = (added & ~latched) | (postponed & ~self.void)
         m.d.sync += [
             postponed.eq(added & latched),
             sums.eq(sums_soon),

@@ -48,8 +48,8 @@ class Channel(wiring.Component):
 
     So f[k] = pin[k - 3] from tick 3 on.
     pin: in, 1 bit. level: out, 1 bit, f[k - late]. rise, fall: out, 1 bit, an edge in that tick,
-    from tick 4 on. before: out, 1 bit, the level a tick before. begun: out, 1 bit, the gateware is
-    not in tick 0.
+    from tick 4 on. before: out, 1 bit, the level a tick before. begun: out, 1 bit, what has no
+    reset in the gateware has started.
     """
 
     def __init__(self, late: int = 0) -> None:
@@ -74,7 +74,7 @@ class Channel(wiring.Component):
             self.rise.eq(told & self.level & ~before),
             self.fall.eq(told & ~self.level & before),
             self.before.eq(told & before),
-            self.begun.eq(ticks != 0),
+            self.begun.eq(ticks > 1),
         ]
         return m
 
@@ -319,10 +319,10 @@ def counts(inner: Internals, name: str, *, saturates: bool = False) -> Value:
 
     value = inner[name]
     low, high = value[:LOW_BITS], value[LOW_BITS:]
-    ones, ahead, passes, full = (
-        inner[f"{name}_{flag}"] for flag in ("ones", "ahead", "passes", "full")
-    )
-    same = [full == value.all()]
+    same = [inner[f"{name}_full"] == value.all()]
+    if not len(high):
+        return same[0]
+    ones, ahead, passes = (inner[f"{name}_{flag}"] for flag in ("ones", "ahead", "passes"))
     for flag, part in zip(ones, chunks(len(high), LUT_BITS), strict=True):
         same.append((low == 0) | (flag == high[part].all()))
     for at, flag in enumerate(ahead):
