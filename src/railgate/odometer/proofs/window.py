@@ -149,9 +149,9 @@ class _Sums(_Window):
         fields = self.window(m, inner)
 
         total, nested = Signal(self.config.sum_a_bits), Signal(self.config.sum_b_bits)
-        t = Mux(self.adds, self.t, 0)
-        total_now = Mux(self.starts, 0, total + t)
-        nested_now = Mux(self.starts, 0, nested + Mux(self.adds, total, 0) + t)
+        more = (total + self.t)[: len(total)]
+        total_now = Mux(self.starts, 0, Mux(self.adds, more, total))
+        nested_now = Mux(self.starts, 0, nested + Mux(self.adds, more, 0))
         m.d.sync += [
             total.eq(Mux(self.strobes.opens, 0, total_now)),
             nested.eq(Mux(self.strobes.opens, 0, nested_now)),
