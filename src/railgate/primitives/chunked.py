@@ -6,6 +6,7 @@ every tick. A sum's chunks are *skewed*: chunk j is, j ticks later, what an adde
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 
 from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
@@ -54,30 +55,49 @@ def count(
     it stays all ones, else wraps. Returns a register of 1 bit: it is all ones, exact in every tick.
 
     The low bits count. The chunks above change only as these wrap, so that there is time to find
-    out whether the carry will pass them: `ones` tells of each, late, whether it is all ones, `ahead`
-    whether all below it, the low bits aside, are so too, the later the higher it is; `passes`,
-    exactly, whether the next one up passes through all below it.
+    out whether the carry will pass them: `ones` tells of each few bits, late, whether they are all
+    ones; `ahead` of each chunk whether it and all below it, the low bits aside, are so, the later
+    the higher it is; `passes`, exactly, whether the next one up passes through all below it.
     """
     low, high = value[:LOW_BITS], value[LOW_BITS:]
-    above = [high[part] for part in chunks(len(high))]
-    all_ones = Cat(_same(high, -1))
-    ones = Signal(len(all_ones), name=f"{value.name}_ones", reset_less=value.reset_less)
-    ahead = Signal(len(above), name=f"{value.name}_ahead", reset_less=value.reset_less)
-    passes = Signal(len(above), name=f"{value.name}_passes", reset_less=value.reset_less)
-    full = Signal(name=f"{value.name}_full", reset_less=value.reset_less)
+    above = chunks(len(high))
+    few = chunks(len(high), LUT_BITS)
+    start = value.init % (1 << len(value))
+
+    def flags(name: str, init: Iterable[bool]) -> Signal:
+        bits = list(init)
+        number = sum(bit << at for at, bit in enumerate(bits))
+        return Signal(
+            len(bits), init=number, reset_less=value.reset_less, name=f"{value.name}_{name}"
+        )
+
+    def only_ones(number: int, bits: slice) -> bool:
+        return number >> bits.start | -1 << bits.stop - bits.start == -1
+
+    whole = only_ones(start, slice(0, len(value)))
+    ones = flags("ones", (only_ones(start >> LOW_BITS, each) for each in few))
+    ahead = flags("ahead", (only_ones(start >> LOW_BITS, slice(0, at.stop)) for at in above))
+    passes = flags(
+        "passes",
+        (
+            only_ones(start, slice(0, LOW_BITS + at.start)) and not (saturates and whole)
+            for at in above
+        ),
+    )
+    full = flags("full", [whole])
     stays = Const(saturates, 1)
     with m.If(up & ~(full & stays)):
         m.d.sync += low.eq(low + 1)
-    for carry, chunk in zip(passes, above, strict=True):
+    for carry, at in zip(passes, above, strict=True):
         with m.If(up & carry):
-            m.d.sync += chunk.eq(chunk + 1)
+            m.d.sync += high[at].eq(high[at] + 1)
     wraps = Cat(low[0] ^ up, low[1:]).all()
     below = Cat(1, ahead)
     parts = chunks(len(ones), CHUNK_BITS // LUT_BITS)
     m.d.sync += [
         passes.eq(Cat(wraps & here & ~(below[-1] & stays) for here in below[:-1])),
         full.eq((wraps & below[-1]) | (full & stays)),
-        ones.eq(all_ones),
+        ones.eq(Cat(_same(high, -1))),
         ahead.eq(Cat(ones[part].all() & here for part, here in zip(parts, below, strict=False))),
     ]
     with m.If(restart):
@@ -155,7 +175,9 @@ def accumulate(
         m.d.sync += Cat(chunk, to).eq(more[1:])
         with m.If(restart):
             m.d.sync += [chunk.eq(start[part]), to.eq(0)]
-        carry = delayed(m, to, PACE - 1, reset_less=total.reset_less, name=f"{total.name}_carries_{late}")
+        carry = delayed(
+            m, to, PACE - 1, reset_less=total.reset_less, name=f"{total.name}_carries_{late}"
+        )
         restart = delayed(
             m, restart, PACE, init=total.reset_less, name=f"{total.name}_restart_{late}"
         )

@@ -108,6 +108,7 @@ class Period(wiring.Component):
             self.watched.eq(~slow),
             self.overspeed.eq(self.judged & ~normal),
         ]
+
         # FORWARD within 90° ± 45°, REVERSE within 270° ± 45°, both inclusive: as T and phase grow
         # by 1 in a tick, so do ± (8 · phase - n · T), whose signs tell.
         def reaches(sign: int, n: int) -> Value:

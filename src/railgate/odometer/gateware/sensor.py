@@ -86,7 +86,10 @@ class Sensor(wiring.Component):
         # A tick late: the edges, and tick 0.
         start = delayed(m, delayed(m, 0, 1, init=1, name="tick_0"), 1, init=1, name="start")
         a_rise, a_edge, a_level, b_rise, b_edge, b_level = delayed(
-            m, Cat(a.rise, a.rise | a.fall, a.level, b.rise, b.rise | b.fall, b.level), 1, name="pins"
+            m,
+            Cat(a.rise, a.rise | a.fall, a.level, b.rise, b.rise | b.fall, b.level),
+            1,
+            name="pins",
         )
         m.submodules.steps = steps = Steps()
         m.d.comb += [
@@ -199,7 +202,7 @@ class Sensor(wiring.Component):
         happened = Signal(len(Flag))
         m.d.comb += [
             happened[flag.bit_length() - 1].eq(
-                delayed(m, event, told - late, name=flag.name.lower())
+                delayed(m, event, told - late, name=f"flag_{flag:d}")
             )
             for flag, (event, late) in events.items()
         ]

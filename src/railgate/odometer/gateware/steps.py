@@ -36,7 +36,9 @@ class Ages(wiring.Component):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         # Which counter is whose.
-        newest, last, boundary = (Signal(name=f"{name}_which") for name in ("newest", "last", "boundary"))
+        newest, last, boundary = (
+            Signal(name=f"{name}_which") for name in ("newest", "last", "boundary")
+        )
         boundary_soon = Mux(self.moves_soon, newest, boundary)
         m.d.sync += [boundary.eq(boundary_soon), last.eq(newest)]
         with m.If(self.edge_soon):
@@ -86,7 +88,9 @@ class Steps(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        forward, reverse, illegal = (Signal(name=f"{name}_soon") for name in ("forward", "reverse", "illegal"))
+        forward, reverse, illegal = (
+            Signal(name=f"{name}_soon") for name in ("forward", "reverse", "illegal")
+        )
         step = self.a_edge ^ self.b_edge
         leads = self.a ^ self.b ^ self.b_edge  # a moves away from b, or b follows a
         m.d.sync += [

@@ -20,9 +20,9 @@ class Window(wiring.Component):
 
     a_rise: in, 1 bit. broken: in, 1 bit, a reversal or an illegal transition. latch: in, 1 bit, in
     the tick after the strobe, in which the last edge is the boundary before this tick's own events.
-    latch_soon: in, 2 bits, it is in the next tick, in the one after that. elapsed, full: in, ticks since the boundary, and that they
-    are period_max. moves: out, 1 bit, register, the last tick's edge was a new boundary, which
-    `elapsed` need not tell before the next tick.
+    latch_soon: in, 2 bits, it is in the next tick, in the one after that. elapsed, full: in, ticks
+    since the boundary, and that they are period_max. moves: out, 1 bit, register, the last tick's
+    edge was a new boundary, which `elapsed` need not tell before the next tick.
     window_seated: out, register, the field of that name; window_n two, window_ticks three, and,
     skewed, sum_a three and sum_b five ticks later.
     saturated, overflow, void: out, 1 bit, why and that a seated window was lost in the tick before.
@@ -97,7 +97,9 @@ class Window(wiring.Component):
             fresh.eq(self.void | latched),
         ]
         elapsed = delayed(m, self.elapsed, 1, reset_less=True, name="elapsed")
-        ticks, t = (Signal.like(self.elapsed, reset_less=True, name=name) for name in ("ticks", "t"))
+        ticks, t = (
+            Signal.like(self.elapsed, reset_less=True, name=name) for name in ("ticks", "t")
+        )
         with m.If(~postponed):
             m.d.sync += ticks.eq(elapsed)
         m.d.sync += t.eq(Mux(none, 0, ticks))

@@ -54,8 +54,7 @@ class Channel(wiring.Component):
 
     def __init__(self, late: int = 0) -> None:
         super().__init__(
-            {"pin": In(1)}
-            | {name: Out(1) for name in ("level", "before", "rise", "fall", "begun")}
+            {"pin": In(1)} | {name: Out(1) for name in ("level", "before", "rise", "fall", "begun")}
         )
         self._seated = SEATED + late
         self._past = Signal(self._seated + 1)
@@ -185,7 +184,8 @@ class Strobes(wiring.Component):
 class Observed(Monitor):
     """An odometer with filter_ticks = 0, its sensor 0 and its strobe free; its other sensors rest.
 
-    Edges and strobes are observed LATE ticks late, as the gateware's sensors take them. For what is claimed of one sensor: each is what it would be alone, by odometer.sensors. `lemmas`
+    Edges and strobes are observed LATE ticks late, as the gateware's sensors take them.
+    For what is claimed of one sensor: each is what it would be alone, by odometer.sensors. `lemmas`
     are further ones beside `inputs` and `gate`.
     """
 
@@ -272,7 +272,6 @@ class Observed(Monitor):
         """
         strobes = self.strobes
         return Mux(strobes.latches, self.at_strobe[name], Mux(strobes.opened[LATE + 1], 0, value))
-
 
     def flagged(
         self, m: Module, inner: Internals, flag: Flag, due: Value, at_strobe: Value

@@ -86,7 +86,11 @@ CLAIMS = (
         monitor=_Periods,
         method=Induction(8),
         mutants=(
-            _mutant("restarts-at-two", "init=1, reset_less=True, name=f\"age", "init=2, reset_less=True, name=f\"age"),
+            _mutant(
+                "restarts-at-two",
+                'init=1, reset_less=True, name=f"age',
+                'init=2, reset_less=True, name=f"age',
+            ),
             _mutant(
                 "never-restarts",
                 "restart.eq((self.edge_soon & (boundary_soon != which)) | self.tick_0_soon)",

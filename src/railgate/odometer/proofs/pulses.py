@@ -6,7 +6,7 @@ from amaranth.hdl import Module, Mux, Signal, Value
 
 from railgate.odometer.proofs.contract import LATE, Observed, counts
 from railgate.odometer.spec import Config, Flag
-from railgate.proving import Claim, Induction, Mutant, Run, Search
+from railgate.proving import Claim, Induction, Internals, Mutant, Run, Search
 
 __all__ = ["CLAIMS"]
 
@@ -115,9 +115,7 @@ CLAIMS = (
                 "self.pulses, counted, restart=0",
                 MANY_READS,
             ),
-            _mutant(
-                "both-edges", "counted.eq((a_soon &", "counted.eq((a_edge &"
-            ),
+            _mutant("both-edges", "counted.eq((a_soon &", "counted.eq((a_edge &"),
             _mutant("other-channel", "self.a_rising, a_rise", "self.a_rising, b_rise"),
             _mutant(
                 "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", READ, "odometer"

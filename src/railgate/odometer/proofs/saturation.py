@@ -83,8 +83,7 @@ class _Saturation(Observed):
             self.lemma.carried.eq(carried),
             self.holds.eq(told & saturated),
             self.reached.eq(
-                strobes.delivers
-                & ((inner["sensor.0.period"] != 0) | (out & Flag.SATURATED).any())
+                strobes.delivers & ((inner["sensor.0.period"] != 0) | (out & Flag.SATURATED).any())
             ),
         ]
         return m
@@ -170,7 +169,9 @@ CLAIMS = (
             _mutant(
                 "pulses-wrap", "restart=latch, saturates=True", "restart=latch", "sensor", _DEEP
             ),
-            _mutant("pulses-untold", "reaches | (counted & pulses_full)", "reaches", "sensor", _DEEP),
+            _mutant(
+                "pulses-untold", "reaches | (counted & pulses_full)", "reaches", "sensor", _DEEP
+            ),
         ),
     ),
 )

@@ -58,12 +58,13 @@ class _Snapshots(Monitor):
             found = (inner[path.format(index, field.name)] for index, field in fields)
             return Cat(*found).word_select(self.part, WATCHED)
 
-        masks, at = [0] * Config.snapshot_latency_ticks, 0  # of the bits that are so late
+        masks = [0] * Config.snapshot_latency_ticks  # of the bits that are so late
+        at = 0
         for _, field in fields:
             for part, late in settled(self.config, field):
-                masks[late] |= ((1 << len(range(*part.indices(field.width)))) - 1) << at
-                at += len(range(*part.indices(field.width)))
-        late = [Const(mask, at).word_select(self.part, WATCHED) for mask in masks]
+                masks[late] |= ((1 << part.stop - part.start) - 1) << at
+                at += part.stop - part.start
+        so_late = [Const(mask, at).word_select(self.part, WATCHED) for mask in masks]
 
         tick, number = Signal.like(dut.time), Signal.like(dut.number)
         at_strobe, copy, copy_now = Signal.like(tick), Signal(WATCHED), Signal(WATCHED)
@@ -71,7 +72,7 @@ class _Snapshots(Monitor):
         opened = strobes.opened
         takes = Signal(WATCHED)
         taken = [(copy & ~Const((1 << at) - 1, at).word_select(self.part, WATCHED)) == 0]
-        for ticks, bits in enumerate(late[:-1]):
+        for ticks, bits in enumerate(so_late[:-1]):
             with m.If(opened[ticks]):
                 m.d.comb += takes.eq(bits)
             same = ((watched("latched_{}_{}") ^ copy) & bits) == 0
@@ -115,9 +116,10 @@ CLAIMS = (
         name="odometer.snapshot",
         claim=(
             "16 ticks after a strobe that found busy = 0, all fields of both sensors change "
-            "together to what their registers tell, each as late as it is, of the strobe's tick, with the time of that "
-            "tick (modulo 2⁴⁸) and the number of such strobes (modulo 2³²); at all other times, "
-            "also at strobes while busy, none of them changes (default configuration)."
+            "together to what their registers tell of the strobe's tick, each part as late as its "
+            "register is, with the time of that tick (modulo 2⁴⁸) and the number of such strobes "
+            "(modulo 2³²); at all other times, also at strobes while busy, none of them changes "
+            "(default configuration)."
         ),
         requirements=("ODO-7",),
         monitor=_Snapshots,
@@ -130,7 +132,9 @@ CLAIMS = (
                 "with m.If(gate.latches[late:LAST].any()):",
             ),
             _mutant(
-                "torn-field", "if late == LAST else", 'if late == LAST or field.name == "period" else'
+                "torn-field",
+                "if late == LAST else",
+                'if late == LAST or field.name == "period" else',
             ),
             _mutant("tick-early", "If(gate.latches[LAST])", "If(gate.latches[LAST - 1])"),
             _mutant("time-of-delivery", "self.time.eq(next_time)", "self.time.eq(self.ticks)"),

@@ -126,7 +126,10 @@ CLAIMS = (
         cover=Search(READ),
         mutants=(
             _mutant(
-                "wrong-sign", "Cat(forward | reverse, reverse)", "Cat(forward | reverse, forward)", "steps"
+                "wrong-sign",
+                "Cat(forward | reverse, reverse)",
+                "Cat(forward | reverse, forward)",
+                "steps",
             ),
             _mutant(
                 "other-edge",

@@ -110,12 +110,12 @@ class _Window(Observed):
             ),
         }
 
-    def tells(
-        self, m: Module, inner: Internals, fields: dict[str, tuple[Value, Value]]
-    ) -> None:
+    def tells(self, m: Module, inner: Internals, fields: dict[str, tuple[Value, Value]]) -> None:
         """The claim: snapshots tell the window's fields."""
         told, carried = self.reports(m, inner, fields)
-        resting = Cat(*(before == 0 for name, (before, _) in fields.items() if name != "window_seated")).all()
+        resting = Cat(
+            *(before == 0 for name, (before, _) in fields.items() if name != "window_seated")
+        ).all()
         m.d.comb += [
             self.lemma.live.eq(self.seated | resting | self.strobes.latches),
             self.lemma.carried.eq(carried),
