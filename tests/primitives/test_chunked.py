@@ -2,8 +2,7 @@
 
 from fractions import Fraction
 
-import pytest
-from amaranth.hdl import Cat, Module, Signal
+from amaranth.hdl import Module, Signal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from hypothesis import given, settings
@@ -69,7 +68,7 @@ def run(component, ticks, **inputs):
     clock = Clock(frequency_hz=Fraction(1_000_000))
     design = Design(name="chunked", component=lambda: component, clocks=(clock,))
     waves = {
-        name: Waveform.of(range(ticks), list(values), 64 if name == "add" else 1)
+        name: Waveform.of(range(ticks), list(values), WIDTH if name == "add" else 1)
         for name, values in inputs.items()
     }
     return PySim(design).advance(ticks, Trace(waves, TICK, 0, ticks))
@@ -118,7 +117,7 @@ def test_skewed_chunks_are_those_of_the_whole_sum(added, taken, restart):
         sums_of_sums.append(nested)
     for late, part in enumerate(chunks(WIDTH, BITS)):
         mask = (1 << part.stop - part.start) - 1
-        for name, exact, more in (("sum", sums, 0), ("sums", sums_of_sums, 0)):
+        for name, exact in (("sum", sums), ("sums", sums_of_sums)):
             for tick in range(PACE * late, 40):
                 of = int(told[name].at(tick)) >> part.start & mask
                 assert of == exact[tick - PACE * late] >> part.start & mask
