@@ -224,10 +224,8 @@ def _rolling(quarter: int) -> Trace:
 _ROLLS = Run(ROLLING, partial(_rolling, 2))
 _ROLLS_SLOWLY = Run(ROLLING, partial(_rolling, 3))
 _ROLLS_FAST = Run(ROLLING, partial(_rolling, 1))
-_SUM_BEFORE = _mutant("sum-before", "eq(sum_b + sum_a + now)", "eq(sum_b + sum_a)")
-_TICK_MISSING = _mutant(
-    "tick-missing", "self.since_rise, elapsed) + 1", "self.since_rise, elapsed)"
-)
+_SUM_BEFORE = _mutant("sum-before", "masked(m, sum_a, sums", "masked(m, delayed(m, sum_a, 1), sums")
+_TICK_MISSING = _mutant("tick-missing", "ticks.eq(elapsed)", "ticks.eq(elapsed - 1)")
 
 CLAIMS = (
     Claim(
@@ -244,11 +242,12 @@ CLAIMS = (
         cover=READ,
         mutants=(
             _TICK_MISSING,
-            _mutant("reversal-stays", "self.window_seated & self.broken", "0"),
-            _mutant(
+            _mutant("reversal-stays", "kept = seated & ~self.broken", "kept = seated"),
+            Mutant(
                 "old-boundary",
-                "Mux(self.latch, self.since_rise, elapsed)",
-                "elapsed",
+                "railgate.odometer.gateware.sensor",
+                "moves_soon.eq(latch_soon | window.moves)",
+                "moves_soon.eq(window.moves)",
                 _ROLLS,
             ),
         ),
@@ -267,7 +266,7 @@ CLAIMS = (
         mutants=(
             _SUM_BEFORE,
             _TICK_MISSING,
-            _mutant("product", "self.sum_a.eq(sum_a + now)", "self.sum_a.eq(sum_a << 1 | now)"),
+            _mutant("product", "skewed(m, t, SUM_BITS", "skewed(m, t << 1, SUM_BITS"),
         ),
         fast=False,
     ),
@@ -285,11 +284,19 @@ CLAIMS = (
         cover=READ,
         mutants=(
             _SUM_BEFORE,
-            _mutant("edge-too-many", "n == config.window_pulses", "0", _ROLLS_FAST),
+            _mutant("edge-too-many", "& ~self.full & ~no_more\n", "& ~self.full\n", _ROLLS_FAST),
             _mutant(
-                "edge-too-few", "n == config.window_pulses", "n == config.window_pulses - 1", _ROLLS
+                "edge-too-few",
+                "init=most - config.window_pulses",
+                "init=most - config.window_pulses + 1",
+                _ROLLS,
             ),
-            _mutant("never-saturates", "(now == config.period_max)", "0", _ROLLS_SLOWLY),
+            _mutant(
+                "never-saturates",
+                "full = self.full & ~self.moves",
+                "full = self.full & 0",
+                _ROLLS_SLOWLY,
+            ),
         ),
     ),
 )
