@@ -108,5 +108,6 @@ CLAIMS = (
             _mutant("other-counter", "Mux(last, *ages[::-1])", "Mux(newest, *ages[::-1])"),
             _mutant("clean-only", "with m.If(closed):", "with m.If(self.judged):", "period"),
         ),
+        fast=False,
     ),
 )

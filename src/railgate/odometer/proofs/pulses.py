@@ -121,5 +121,6 @@ CLAIMS = (
                 "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", READ, "odometer"
             ),
         ),
+        fast=False,
     ),
 )

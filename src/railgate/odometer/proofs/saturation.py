@@ -101,7 +101,7 @@ def _bouncing() -> Trace:
     """More edges of A than 8 bits can count and a read; then a rest, and a read again."""
     ticks = range(0, FULL - 102, 2)  # the last is a fall, which voids the window
     a = Waveform.of(ticks, [i % 2 for i in range(len(ticks))])
-    reads = FULL - 97, FULL - 40
+    reads = FULL - 97, FULL - 45
     changes = [0, *(tick + more for tick in reads for more in range(2))]
     strobe = Waveform.of(changes, [i % 2 for i in range(len(changes))])
     return Trace({"a": a, "strobe": strobe}, TICK, 0, FULL)
@@ -146,6 +146,7 @@ CLAIMS = (
         method=Induction(12),
         cover=READ,
         mutants=_SHALLOW,
+        fast=False,
     ),
     Claim(
         name="odometer.saturation-scaled",

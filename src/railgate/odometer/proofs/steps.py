@@ -156,6 +156,7 @@ CLAIMS = (
                 "odometer",
             ),
         ),
+        fast=False,
     ),
     Claim(
         name="odometer.quarters",
@@ -190,5 +191,6 @@ CLAIMS = (
                 Search(READ),
             ),
         ),
+        fast=False,
     ),
 )

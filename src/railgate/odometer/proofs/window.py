@@ -251,6 +251,7 @@ CLAIMS = (
                 _ROLLS,
             ),
         ),
+        fast=False,
     ),
     Claim(
         name="odometer.sums",
@@ -298,5 +299,6 @@ CLAIMS = (
                 _ROLLS_SLOWLY,
             ),
         ),
+        fast=False,
     ),
 )
