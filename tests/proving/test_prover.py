@@ -132,7 +132,7 @@ def test_a_late_cover_is_reached_by_a_run() -> None:
 
 FIRST = inputs.CLAIMS[0]
 EARLY = FIRST.mutants[0]
-SAME = Mutant("same", INPUTS, "STAGES + 3)", "STAGES + 4)")
+SAME = Mutant("same", INPUTS, "range(self._filter_ticks + 1)", "range(self._filter_ticks + 2)")
 
 
 def test_a_mutant_is_rejected_by_a_search_and_by_a_run() -> None:
