@@ -29,11 +29,10 @@ class Reader(wiring.Component):
     uef, uef_rise, uef_fall, data, data_edge: in, 1 bit, filtered levels and their edges. starts,
     early, open, closes, sample, decided: in, 1 bit, see Timing.
     causes: out, registers, a bit for each of LINE_CAUSES, since the last decision, three ticks
-    late.
-    complete: out, 1 bit, register, the answer of this cycle was. word: out, register, the bits of
-    the last answer, the last one read is the least significant. check: out, what the word's check
-    must be, only where it has one. since_rise: out, register, ticks since UEF's pin rose for the
-    last answer, counted to the second tick after this one. Requirements LNK-3, LNK-4, LNK-7.
+    late. complete: out, 1 bit, register, the answer of this cycle was. word: out, register, the
+    bits of the last answer, the last one read is the least significant. check: out, what the word's
+    check must be, only where it has one. since_rise: out, register, ticks since UEF's pin rose for
+    the last answer, counted to the second tick after this one. Requirements LNK-3, LNK-4, LNK-7.
     """
 
     def __init__(self, config: Config) -> None:

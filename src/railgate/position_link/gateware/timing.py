@@ -69,10 +69,10 @@ class Timing(wiring.Component):
     Of what was on the line input_delay_ticks before: starts: out, in the first tick of a cycle.
     early: out, from there until the window opens. open: out, the window is. closes: out, in the
     first tick after it. sample: out, in the tick of the edge with which DATA is read.
-    decided: out, in the third tick after the decision, in which the reader's causes are those
-    that it finds. settled: out,
-    in the tick before `publish`. publish: out, in the tick before the fields change. delivery: out,
-    in the tick in which they have changed. Requirements LNK-1, LNK-2, LNK-4, LNK-6.
+    decided: out, in the third tick after the decision, in which the reader's causes are those that
+    it finds. settled: out, in the tick before `publish`. publish: out, in the tick before the
+    fields change. delivery: out, in the tick in which they have changed. Requirements LNK-1, LNK-2,
+    LNK-4, LNK-6.
     """
 
     def __init__(self, config: Config) -> None:

@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from amaranth.hdl import Cat, Const, Module, Mux, Value
 
 from railgate.position_link.proofs.reading import Reading
-from railgate.position_link.proofs.schedule import CHUNK_BITS as COUNTER_CHUNK_BITS
-from railgate.position_link.proofs.schedule import Cycle
+from railgate.position_link.proofs.schedule import CHUNK_BITS, Cycle
 from railgate.position_link.spec import Cause, Config, Edge
 from railgate.proving import Internals, Monitor
 
@@ -17,8 +16,8 @@ __all__ = ["Observed", "numbered", "schedule"]
 READING = ("divider", "schedule", "pins", "reader", "timers", "later", "ends", "verdict")
 STANDS = 10
 """So many ticks before the decision the word has come to stand."""
-CHUNK_BITS = 4
-"""So many bits the gateware's verdict makes one."""
+VERDICT_BITS = 4
+"""So many the gateware's verdict makes one."""
 
 
 def schedule(inner: Internals, config: Config, cycle: Cycle) -> Value:
@@ -43,10 +42,7 @@ def numbered(inner: Internals, config: Config, cycle: Cycle) -> Value:
     some ticks after it."""
     path, number = "supervision.count_number", inner["number"]
     delivery = config.delivery_ticks - config.input_delay_ticks
-    full = Cat(
-        number[at : at + COUNTER_CHUNK_BITS].all()
-        for at in range(0, len(number), COUNTER_CHUNK_BITS)
-    )
+    full = Cat(number[at : at + CHUNK_BITS].all() for at in range(0, len(number), CHUNK_BITS))
     carries = Cat(full[:n].all() for n in range(len(full)))
     changed = [cycle.at(delivery + n) for n in range(2)]
     return Cat(
@@ -86,7 +82,7 @@ class Observed(Monitor):
             ),
             self.lemma.reader.eq(self._reader(inner)),
             self.lemma.timers.eq(self._timers(inner)),
-            self.lemma.later.eq(self._later(inner)),
+            self.lemma.later.eq(inner["reader.data_then"] == reading.on_data.before),
             self.lemma.ends.eq(self._ends()),
             self.lemma.verdict.eq(self._verdict(inner)),
         ]
@@ -203,12 +199,6 @@ class Observed(Monitor):
                 ]
         return Cat(*agrees).all()
 
-    def _later(self, inner: Internals) -> Value:
-        """What the gateware has registered of the lines."""
-        return Cat(
-            inner["reader.data_then"] == self.reading.on_data._before,
-        ).all()
-
     def _ends(self) -> Value:
         """An answer under way has begun in the window, and with `word_bits` bits it ends with the
         next sample: before the decision."""
@@ -274,7 +264,8 @@ class Observed(Monitor):
         """Each stage of a comparison, and after how many ticks it is that of `bits`."""
         found: list[tuple[int, Value]] = []
         while len(bits) > 1:
-            bits = Cat(bits[at : at + CHUNK_BITS].any() for at in range(0, len(bits), CHUNK_BITS))
+            ats = range(0, len(bits), VERDICT_BITS)
+            bits = Cat(bits[at : at + VERDICT_BITS].any() for at in ats)
             told = inner[f"verdict.{name}_{len(found)}"]
             found.append((len(found) + 1, told == bits))
         return found

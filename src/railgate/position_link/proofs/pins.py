@@ -18,6 +18,7 @@ class Level(wiring.Component):
     """A pin's level, once it was held for more than `filter_ticks`, 3 + filter_ticks late.
 
     past: the pin's levels, bit n that of n + 1 ticks ago. tick: since reset, SEATED + 1 at most.
+    before: `level` a tick ago.
 
     pin: in, 1 bit. level: out, 1 bit. rise, fall: out, 1 bit, it is new in this tick; the level at
     start is no edge.
@@ -27,7 +28,7 @@ class Level(wiring.Component):
         self._filter_ticks = filter_ticks
         self.past = Signal(SEATED + filter_ticks)
         self.tick = Signal(range(SEATED + 2))
-        self._before = Signal()
+        self.before = Signal()
         super().__init__({name: Out(1) for name in ("level", "rise", "fall")} | {"pin": In(1)})
 
     def elaborate(self, _platform: object) -> Module:
@@ -37,12 +38,12 @@ class Level(wiring.Component):
         m.d.sync += [
             self.past.eq(Cat(self.pin, self.past)),
             tick.eq(Mux(told, tick, tick + 1)),
-            self._before.eq(self.level),
+            self.before.eq(self.level),
         ]
         m.d.comb += [
-            self.rise.eq(told & held.all() & ~self._before),
-            self.fall.eq(told & ~held.any() & self._before),
-            self.level.eq(Mux(told, self._before ^ (self.rise | self.fall), 0)),
+            self.rise.eq(told & held.all() & ~self.before),
+            self.fall.eq(told & ~held.any() & self.before),
+            self.level.eq(Mux(told, self.before ^ (self.rise | self.fall), 0)),
         ]
         with m.If(tick == SEATED):
             m.d.comb += self.level.eq(held[0])

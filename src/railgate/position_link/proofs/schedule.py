@@ -34,14 +34,15 @@ class Cycle(wiring.Component):
         self._stretches = config.cycle_ticks // self.stretch_ticks
         self.all_edges = 2 * config.cycle_bits
         self._late = late
-        self.marks = {
-            "starts": 0,
-            "opens": 2 * (config.earliest_clk - 1),
-            "closes": 2 * config.window_bits,
-            "decides": 2 * (config.window_bits + config.word_bits + 1),
-        }
-        if not late:
-            self.marks = {
+        if late:
+            self._marks = {
+                "starts": 0,
+                "opens": 2 * (config.earliest_clk - 1),
+                "closes": 2 * config.window_bits,
+                "decides": 2 * (config.window_bits + config.word_bits + 1),
+            }
+        else:
+            self._marks = {
                 "begins": 0,
                 "request_ends": 2 * config.request_bits,
                 "frame_starts": 2 * config.radio_first,
@@ -117,7 +118,7 @@ class Cycle(wiring.Component):
             inner[f"{path}.falls"] == (coming[1] & told[0]),
             *(
                 inner[f"{path}.{name}"] == (coming[1] & self._is(told, number))
-                for name, number in self.marks.items()
+                for name, number in self._marks.items()
             ),
             self._counts(inner, f"{path}.half", told + coming[1], Cat(coming[:2])),
             self._within < self.stretch_ticks,
@@ -137,7 +138,7 @@ class Cycle(wiring.Component):
         value = inner[f"{path}.value"]
         number = (number - first)[: len(value) + 1]
         wrapped = Mux(number >= self.all_edges, number - self.all_edges, number)
-        marks = {name: (edge - first) % self.all_edges for name, edge in self.marks.items()}
+        marks = {name: (edge - first) % self.all_edges for name, edge in self._marks.items()}
         marks["last"] = self.all_edges - 1
         chunks = [value[at : at + CHUNK_BITS] for at in range(0, len(value), CHUNK_BITS)]
         full = [chunk.all() for chunk in chunks]
