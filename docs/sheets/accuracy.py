@@ -29,7 +29,7 @@ EXACT = Assumptions(crystal_ppm=0)
 def phases(megahertz: str) -> str:
     """The source's table 1 with this clock: where each measured T, Δt and φ lies at 90°."""
     config = _clocked(megahertz)
-    digits = len(megahertz) + 1
+    digits = len(megahertz) + 1  # the source's three at 16 MHz, one more a decade
     rows = []
     for kilohertz in FREQUENCIES_KHZ:
         period = 1 / (1000 * kilohertz)

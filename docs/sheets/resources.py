@@ -41,6 +41,6 @@ def resources(name: str) -> str:
         return "Not measured yet.\n"
     rows = [[number(each[key]) for key in COLUMNS] for each in measured]
     made = table(list(COLUMNS.values()), rows)
-    if {each["digest"] for each in measured} != {TARGETS[name].digest()}:
+    if {each["digest"] for each in measured} != {TARGETS[name].sources().digest}:
         made += "\nThe gateware has changed since: measure it anew with `railgate fpga report`.\n"
     return made

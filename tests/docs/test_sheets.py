@@ -84,7 +84,7 @@ def test_resources_are_told_as_measured_and_whether_of_this_gateware(monkeypatch
     record = tmp_path / "fpga.json"
     monkeypatch.setattr("sheets.resources.RECORD", record)
     told = dict.fromkeys(COLUMNS, 7) | {"target": "odometer", "part": "ECP5", "lut": 1234}
-    for digest, changed in ((TARGETS["odometer"].digest(), False), ("0", True)):
+    for digest, changed in ((TARGETS["odometer"].sources().digest, False), ("0", True)):
         record.write_text(json.dumps([told | {"digest": digest}]), "utf-8")
         page = resources("odometer")
         assert rows(page)[0] == [

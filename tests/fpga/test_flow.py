@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from railgate.fpga.flow import Flow, cells, fmax_mhz
-from railgate.fpga.gateware import Lfsr, Ssi, netlist
+from railgate.fpga.gateware import Lfsr, Sources, Ssi, netlist
 from railgate.fpga.parts import PARTS, REFERENCE, Area, part
 from railgate.fpga.tools import UnplacedError
 
@@ -20,7 +20,7 @@ LIMIT_S = 300.0
 
 
 def flow(folder: Path, component=Lfsr, limit_s: float = LIMIT_S, on: str = REFERENCE) -> Flow:
-    return Flow("small", netlist(component()), on, folder, limit_s)
+    return Flow("small", Sources(netlist(component())), on, folder, limit_s)
 
 
 def changed(monkeypatch, **now) -> None:

@@ -1,24 +1,11 @@
 """Every function is placed and routed for a real part."""
 
-from pathlib import Path
-
 import pytest
 
-from railgate.fpga.flow import Flow
-from railgate.fpga.gateware import netlist
-from railgate.fpga.parts import REFERENCE
+from fpga.placing import flow
 from railgate.fpga.targets import CEILING, TARGETS
 
-KEPT = Path(__file__).parents[2] / "build" / "fpga"
-"""Of the checkout: what `railgate fpga report` has placed there is not placed again."""
-
-LIMIT_S = 3600.0
-
 FUNCTIONS = [name for name, target in TARGETS.items() if target.kind == "function"]
-
-
-def flow(name: str) -> Flow:
-    return Flow(name, netlist(TARGETS[name].component()), REFERENCE, KEPT, LIMIT_S)
 
 
 @pytest.mark.slow

@@ -10,21 +10,14 @@ from pathlib import Path
 import pytest
 
 from fpga.export.judges import Core, verilator
+from fpga.placing import flow
 from railgate.fpga.export import core, export
-from railgate.fpga.flow import NETLIST, Flow
-from railgate.fpga.gateware import netlist
-from railgate.fpga.parts import REFERENCE
-from railgate.fpga.targets import TARGETS
+from railgate.fpga.flow import NETLIST
 
 pytestmark = [pytest.mark.slow, pytest.mark.shows("SYS-2", "SYS-3")]
 
-KEPT = Path(__file__).parents[2] / "build" / "fpga"
-"""Of the checkout: what `railgate fpga report` has placed there is not made again."""
-
 SETTINGS = {"odometer": "sensors = 1", "position_link": "", "vital_output": "outputs = 16"}
 """What targets.TARGETS places, as a configuration of exports."""
-
-LIMIT_S = 3600.0
 
 
 @pytest.fixture(scope="module")
@@ -38,9 +31,9 @@ def placed(tmp_path_factory: pytest.TempPathFactory):
         config.write_text(SETTINGS[name], encoding="utf-8")
         exported = core(name, config=str(config))
         export(exported, "core", folder)
-        flow = Flow(name, netlist(TARGETS[name].component()), REFERENCE, KEPT, LIMIT_S)
-        flow.synthesise()
-        cells = (flow.folder / NETLIST).read_text(encoding="utf-8")
+        made = flow(name)
+        made.synthesise()
+        cells = (made.folder / NETLIST).read_text(encoding="utf-8")
         renamed, count = re.subn(r"\bmodule component\(", f"module {exported.name}(", cells)
         assert count == 1
         return Core(folder), renamed

@@ -11,6 +11,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from railgate.fpga.gateware import Sources
 from railgate.fpga.gateware.pins import INSIDE, TOP
 from railgate.fpga.parts import Area, Part, part
 from railgate.fpga.tools import UnplacedError, nextpnr, versions, yosys
@@ -64,20 +65,18 @@ class Netlist:
 class Flow:
     """One design on its way onto a part.
 
-    rtlil: from gateware.netlist. verilog: of what is instantiated in it. kept: the folder that
-    keeps what tools made, in a folder for each design, part and version of the tools: nothing is
-    made twice, also after an interruption. limit_s: the longest time for one call of a tool.
-    Raises ValueError where a tool is missing, or where a part needs pins.
+    kept: the folder that keeps what tools made, in a folder for each design, part and version of
+    the tools: nothing is made twice, also after an interruption. limit_s: the longest time for one
+    call of a tool. folder: in `kept`, what is made of this design. Raises ValueError where a tool
+    is missing, or where a part needs pins.
     """
 
-    def __init__(
-        self, name: str, rtlil: str, on: str, kept: Path, limit_s: float, verilog: str = ""
-    ) -> None:
+    def __init__(self, name: str, sources: Sources, on: str, kept: Path, limit_s: float) -> None:
         self._name, self._on, self._part = name, on, part(on, free_pins=True)
-        self._rtlil, self._verilog = rtlil, verilog
+        self._sources = sources
         self._limit_s = limit_s
         flags = SYNTHESIS, self._part.synthesis, PLACEMENT, self._part.options
-        told = rtlil, verilog, flags, versions(self._part.nextpnr)
+        told = tuple(sources), flags, versions(self._part.nextpnr)
         digest = sha256(repr(told).encode()).hexdigest()[:12]
         self.folder = kept / f"{name}-{on}-{digest}"
 
@@ -109,8 +108,8 @@ class Flow:
             with tempfile.TemporaryDirectory(dir=self.folder.parent) as scratch:
                 made = Path(scratch) / "made"
                 made.mkdir()
-                (made / "design.il").write_text(self._rtlil, encoding="utf-8")
-                (made / VERILOG).write_text(self._verilog, encoding="utf-8")
+                (made / "design.il").write_text(self._sources.rtlil, encoding="utf-8")
+                (made / VERILOG).write_text(self._sources.verilog, encoding="utf-8")
                 yosys(SYNTHESIS.format(synthesis=self._part.synthesis), made, self._limit_s)
                 try:
                     made.rename(self.folder)

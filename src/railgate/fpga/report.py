@@ -2,10 +2,10 @@
 
 They are kept in `<folder>/fpga.json`, rewritten as they come: an array of one object a target and
 part, with `target`, `part`, `digest` (of the sources that were placed; null where there were none),
-`fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed),
-`lut`, `ff`, `ram`, `dsp` (of the target alone; null where it was not synthesised), `goal_mhz` (for
-the worst seed), `goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been
-placed and none falls short), `seeds` (how many were placed), `failed` (why not all were, else
+`fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed), `lut`, `ff`, `ram`, `dsp` (of
+the target alone; null where it was not synthesised), `goal_mhz` (for the worst seed),
+`goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been placed and none
+falls short), `seeds` (how many were placed), `failed` (why not all were, else
 empty). What the tools made stays in `<folder>/fpga`, see Flow.
 """
 
@@ -32,9 +32,9 @@ SEEDS = 5
 
 @dataclass(frozen=True)
 class Row:
-    """What one target came to. digest: see Target. area: of the target alone. fmax_mhz: of seeds 1,
-    2, ….
+    """What one target came to.
 
+    digest: of its sources. area: of the target alone. fmax_mhz: of seeds 1, 2, ….
     failed: why a seed is missing.
     """
 
@@ -112,13 +112,13 @@ def report(
 def _placements(target: Target, row: Row, seeds: int, limit_s: float, kept: Path) -> Iterator[Row]:
     """The row after each seed; where one fails, no further seed is tried."""
     try:
-        rtlil, verilog = target.sources()
+        sources = target.sources()
     except ValueError as error:
         yield replace(row, failed=str(error))
         return
     try:
-        flow = Flow(row.target, rtlil, row.part, kept, limit_s, verilog)
-        row = replace(row, digest=target.digest(), area=flow.synthesise().inside)
+        flow = Flow(row.target, sources, row.part, kept, limit_s)
+        row = replace(row, digest=sources.digest, area=flow.synthesise().inside)
         for seed in range(1, seeds + 1):
             row = replace(row, fmax_mhz=(*row.fmax_mhz, flow.place(seed)))
             yield row

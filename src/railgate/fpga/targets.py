@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import sha256
 
 from amaranth.lib import wiring
 
-from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Ssi, netlist
+from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Sources, Ssi, netlist
 from railgate.fpga.gateware.mac import verilog as liteeth_verilog
 from railgate.odometer.gateware import Odometer
 from railgate.odometer.spec import Config as OdometerConfig
@@ -38,13 +37,9 @@ class Target:
     goal: Goal | None = None
     verilog: Callable[[], str] = str
 
-    def sources(self) -> tuple[str, str]:
-        """RTLIL and Verilog of what is placed. Raises ValueError where they cannot be had."""
-        return netlist(self.component()), self.verilog()
-
-    def digest(self) -> str:
-        """Of these sources, in 12 hexadecimal digits."""
-        return sha256(repr(self.sources()).encode()).hexdigest()[:12]
+    def sources(self) -> Sources:
+        """Of what is placed. Raises ValueError where they cannot be had."""
+        return Sources(netlist(self.component()), self.verilog())
 
 
 CEILING = "lfsr"

@@ -3,5 +3,6 @@
 from railgate.fpga.gateware.mac import LiteEthMac
 from railgate.fpga.gateware.peers import Counter, Crc32, Lfsr, Ssi
 from railgate.fpga.gateware.pins import netlist
+from railgate.fpga.gateware.sources import Sources
 
-__all__ = ["Counter", "Crc32", "Lfsr", "LiteEthMac", "Ssi", "netlist"]
+__all__ = ["Counter", "Crc32", "Lfsr", "LiteEthMac", "Sources", "Ssi", "netlist"]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from amaranth.hdl import ClockSignal, Instance, Module, ResetSignal
+from amaranth.hdl import ClockSignal, Module, ResetSignal
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
+
+from railgate.fpga.gateware.instance import instance
 
 __all__ = ["LiteEthMac", "verilog"]
 
@@ -34,13 +36,9 @@ class LiteEthMac(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        clocks = {f"i_{name}": ClockSignal() for name in _clocked("clk")}
-        resets = {f"i_{name}": ResetSignal() for name in _clocked("rst")}
-        members = {
-            f"{'o' if member.flow == Out else 'i'}_{name}": getattr(self, name)
-            for name, member in self.signature.members.items()
-        }
-        m.submodules.mac = Instance(MODULE, **clocks, **resets, **members)
+        clocks = {name: ClockSignal() for name in _clocked("clk")}
+        resets = {name: ResetSignal() for name in _clocked("rst")}
+        m.submodules.mac = instance(MODULE, self, **clocks, **resets)
         return m
 
 

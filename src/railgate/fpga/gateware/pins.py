@@ -19,7 +19,6 @@ from amaranth.hdl import (
     ClockSignal,
     Const,
     Elaboratable,
-    Instance,
     Module,
     ResetSignal,
     Signal,
@@ -28,7 +27,8 @@ from amaranth.hdl import (
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.engines.border import bordered, flat
+from railgate.engines.border import bordered
+from railgate.fpga.gateware.instance import instance
 
 __all__ = ["INSIDE", "netlist"]
 
@@ -89,12 +89,8 @@ def netlist(component: wiring.Component) -> str:
     for domain in prepared.fragment.domains:
         if domain != "sync":
             raise ValueError(f"what is placed must be in domain sync alone, not in {domain} too")
-    members = {
-        f"{'o' if member.flow == Out else 'i'}_{flat(path)}": Value.cast(value)
-        for path, member, value in component.signature.flatten(component)
-    }
-    clocked = {"i_sync_clk": ClockSignal(), "i_rst": ResetSignal()}
-    pins = Pins(component, Instance(INSIDE, **clocked, **members))
+    inside = instance(INSIDE, component, sync_clk=ClockSignal(), rst=ResetSignal())
+    pins = Pins(component, inside)
     modules = (INSIDE, prepared), (TOP, bordered(pins, top=TOP))
     texts = [rtlil.convert_fragment(made, name=name, emit_src=False)[0] for name, made in modules]
     return "".join(texts)
