@@ -43,17 +43,27 @@ write_json netlist.json
 @dataclass(frozen=True)
 class Files:
     """What a family's tools call theirs: constraints of Amaranth's plan, nextpnr's option for them
-    and for its output, the packer's arguments before output and input, the bitstream's suffix."""
+    and for its output, the packer's arguments before output and input, the bitstream's suffix;
+    further options of nextpnr."""
 
     constraints: str
     given: str
     placed: str
     pack: Callable[[str, str], tuple[str, ...]]
     suffix: str
+    options: tuple[str, ...] = ()
 
 
 FILES: Mapping[str, Files] = {
-    "ecp5": Files("lpf", "--lpf={}", "--textcfg", lambda i, o: ("--compress", i, o), "bit"),
+    "ecp5": Files(
+        "lpf",
+        "--lpf={}",
+        "--textcfg",
+        lambda i, o: ("--compress", i, o),
+        "bit",
+        # The default one rips up a whole unit's nets without an end.
+        ("--router", "router2"),
+    ),
     "ice40": Files("pcf", "--pcf={}", "--asc", lambda i, o: (i, o), "bin"),
     "himbaechel-gowin": Files(
         "cst",
@@ -173,6 +183,7 @@ def _place(top: Top, on: Part, seed: int, at: Path, limit_s: float) -> dict[str,
     files = FILES[on.nextpnr]
     arguments = (
         *on.options,
+        *files.options,
         files.given.format(f"{TOP}.{files.constraints}"),
         *("--json", "netlist.json", files.placed, PLACED, "--report", "report.json"),
         # Of clocks without a constraint of their own. What a clock has missed is told below.
