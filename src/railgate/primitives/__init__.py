@@ -1,6 +1,5 @@
 """Gateware that every function shares."""
 
-from railgate.primitives.chunked import accumulate, chunks, count, delayed, exceeds, skewed
 from railgate.primitives.counter import ChunkedSum, LookaheadCounter
 from railgate.primitives.divider import FractionalDivider
 from railgate.primitives.hardened import SparseState, Twin
@@ -21,11 +20,5 @@ __all__ = [
     "SerialTransmitter",
     "SparseState",
     "Twin",
-    "accumulate",
-    "chunks",
-    "count",
-    "delayed",
-    "exceeds",
-    "skewed",
     "through",
 ]

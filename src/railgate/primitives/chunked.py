@@ -11,7 +11,18 @@ from itertools import pairwise
 
 from amaranth.hdl import Cat, Const, Module, Mux, Signal, Value, ValueLike
 
-__all__ = ["CHUNK_BITS", "accumulate", "chunks", "count", "delayed", "exceeds", "masked", "skewed"]
+__all__ = [
+    "CHUNK_BITS",
+    "PACE",
+    "accumulate",
+    "chunks",
+    "count",
+    "delayed",
+    "exceeds",
+    "masked",
+    "packed",
+    "skewed",
+]
 
 CHUNK_BITS = 12
 PACE = 2
@@ -26,6 +37,11 @@ def chunks(width: int, bits: int = CHUNK_BITS) -> list[slice]:
     """The bits of each chunk of a register of that width, from the least significant one up."""
     ends = [*range(0, width, bits), width]
     return [slice(*ends) for ends in pairwise(ends)]
+
+
+def packed(bits: Iterable[bool]) -> int:
+    """The number of these bits, from the least significant one up."""
+    return sum(bit << at for at, bit in enumerate(bits))
 
 
 def delayed(
@@ -66,13 +82,12 @@ def count(
 
     def flags(name: str, init: Iterable[bool]) -> Signal:
         bits = list(init)
-        number = sum(bit << at for at, bit in enumerate(bits))
         return Signal(
-            len(bits), init=number, reset_less=value.reset_less, name=f"{value.name}_{name}"
+            len(bits), init=packed(bits), reset_less=value.reset_less, name=f"{value.name}_{name}"
         )
 
-    def only_ones(number: int, bits: slice) -> bool:
-        return number >> bits.start | -1 << bits.stop - bits.start == -1
+    def only_ones(value: int, bits: slice) -> bool:
+        return value >> bits.start | -1 << bits.stop - bits.start == -1
 
     whole = only_ones(start, slice(0, len(value)))
     ones = flags("ones", (only_ones(start >> LOW_BITS, each) for each in few))
@@ -122,8 +137,8 @@ def exceeds(m: Module, value: Signal, limit: int, *, restart: ValueLike) -> Sign
 
 def _same(value: Value, to: int) -> list[Value]:
     """Of each few bits of the value, from the least significant ones up, whether they are `to`."""
-    number = Const(to % (1 << len(value)), len(value))
-    return [value[part] == number[part] for part in chunks(len(value), LUT_BITS)]
+    same = Const(to % (1 << len(value)), len(value))
+    return [value[part] == same[part] for part in chunks(len(value), LUT_BITS)]
 
 
 def skewed(
