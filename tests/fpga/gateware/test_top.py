@@ -3,6 +3,7 @@
 import time
 from fractions import Fraction
 from functools import cache
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -27,8 +28,9 @@ FEMTOSECOND = Fraction(1, 10**15)
 BOOT = 77
 WAIT_S = 20.0
 """For an answer: the top in the engine is slower than one on a board."""
-LOOKS_AFTER_S = 1.0
-"""So long the top runs before it is looked at."""
+LOOKS_EVERY_S = 1.0
+LOOKS = 60
+"""At most, until a channel is through its start-up test: how fast the engine is varies."""
 
 
 @cache
@@ -112,8 +114,11 @@ def test_a_top_answers_attach(target) -> None:
         on_line(Running(made, "cxxrtl", pins(target, made)), wire) as serial,
         UartBus(serial.port, BAUD, WAIT_S) as bus,
     ):
-        live = Live(bus, UNIT, lambda _: time.sleep(LOOKS_AFTER_S) is None)
-        told = {each["function"]: each for each in next(readings(live, Fraction(1)))}
+        live = Live(bus, UNIT, lambda _: time.sleep(LOOKS_EVERY_S) is None)
+        for reading in islice(readings(live, Fraction(1)), LOOKS):
+            told = {each["function"]: each for each in reading}
+            if told.get("vital_output", {"accepted": 1})["accepted"]:
+                break
     assert {name: each["address"] for name, each in told.items()} == {
         block.name: base for base, block in top.map.blocks.items()
     }
