@@ -24,6 +24,7 @@ COLUMNS = {
     "ff": "FF",
     "ram": "RAM",
     "dsp": "DSP",
+    "lut_ratio": "LUT, of naive",
     "goal_mhz": "goal, MHz",
 }
 """What is told of a row, and as what."""

@@ -13,8 +13,8 @@ from railgate.fpga.targets import TARGETS, Goal, chosen
 
 
 def row(*fmax_mhz: float, median_mhz: float | None = None, **more) -> Row:
-    goal = Goal(280, median_mhz)
-    return Row("odometer", REFERENCE, goal, area=Area(1, 2), fmax_mhz=fmax_mhz, **more)
+    goal = Goal(280, median_mhz, lut_ratio=1.3)
+    return Row("odometer", REFERENCE, goal, fmax_mhz=fmax_mhz, **{"area": Area(1, 2), **more})
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,8 @@ def row(*fmax_mhz: float, median_mhz: float | None = None, **more) -> Row:
         (row(290, 270), False),
         (row(), None),
         (row(failed="too big"), False),
+        (row(*[500] * 5, peer=Area(1)), True),
+        (row(*[500] * 5, peer=Area(1), area=Area(2)), False),
         (replace(row(500, 500, 500, 500, 500), goal=None), None),
     ],
 )
@@ -36,7 +38,7 @@ def test_a_goal_is_met_by_all_seeds_only_and_missed_by_one(of, met) -> None:
 
 
 def test_the_rows_are_as_documented() -> None:
-    told = row(281.26, 290, 300, 310, 320, median_mhz=300, digest="0123").as_json()
+    told = row(281.26, 290, 300, 310, 320, median_mhz=300, digest="0123", peer=Area(3)).as_json()
     assert told == {
         "target": "odometer",
         "part": REFERENCE,
@@ -49,6 +51,8 @@ def test_the_rows_are_as_documented() -> None:
         "dsp": 0,
         "goal_mhz": 280,
         "goal_median_mhz": 300,
+        "lut_ratio": 0.33,
+        "goal_lut_ratio": 1.3,
         "met": True,
         "seeds": 5,
         "failed": "",
@@ -99,7 +103,7 @@ def test_all_functions_are_targets_and_have_their_goals() -> None:
     goals = {name: target.goal for name, target in TARGETS.items() if target.kind == "function"}
     assert goals == {
         "position_link": Goal(280),
-        "odometer": Goal(280, 300),
+        "odometer": Goal(280, 300, lut_ratio=1.3),
         "vital_output": Goal(150),
     }
     assert SEEDS >= 5

@@ -26,11 +26,11 @@ def inner() -> Internals:
     [
         ("sensor.0.a", 1),
         ("sensor.0.position", 32),
-        ("sensor_0.since_rise.ticks", 32),
+        ("sensor_0.ages.age_0", 32),
         ("sensor_0.input_a.held", 2),
         ("sensor_0.input_a.synchroniser.stage0", 1),
         ("sensor_0.steps.a", 1),
-        ("sensor_0.watch.run_a_now", 4),
+        ("sensor_0.watch.run_a", 8),
         ("sensor_0.happened", 12),
         ("sensor_0.period.broken$2", 1),
     ],
@@ -41,8 +41,8 @@ def test_ports_registers_and_combinational_signals_are_found(inner, path: str, w
 
 
 def test_an_unknown_path_is_told_with_the_nearest(inner) -> None:
-    with pytest.raises(ValueError, match=r'no signal "sensor_0.since.ticks".*since_rise\.ticks'):
-        inner["sensor_0.since.ticks"]
+    with pytest.raises(ValueError, match=r'no signal "sensor_0.ages.age".*ages\.age_0'):
+        inner["sensor_0.ages.age"]
 
 
 def test_each_signal_has_one_path(inner) -> None:

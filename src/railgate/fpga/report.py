@@ -4,9 +4,10 @@ They are kept in `<folder>/fpga.json`, rewritten as they come: an array of one o
 part, with `target`, `part`, `digest` (of the sources that were placed; null where there were none),
 `fmax_worst_mhz`, `fmax_median_mhz` (null where nothing was placed), `lut`, `ff`, `ram`, `dsp` (of
 the target alone; null where it was not synthesised), `goal_mhz` (for the worst seed),
-`goal_median_mhz`, `met` (null where there is no goal, or while SEEDS have not been placed and none
-falls short), `seeds` (how many were placed), `failed` (why not all were, else
-empty). What the tools made stays in `<folder>/fpga`, see Flow.
+`goal_median_mhz`, `lut_ratio` (its LUTs for each of its peer's; null where it has none),
+`goal_lut_ratio`, `met` (null where there is no goal, or while SEEDS have not been placed and none
+falls short), `seeds` (how many were placed), `failed` (why not all were, else empty). What the
+tools made stays in `<folder>/fpga`, see Flow.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pathlib import Path
 
 from railgate.fpga.flow import Flow
 from railgate.fpga.parts import REFERENCE, Area, part
-from railgate.fpga.targets import Goal, Target
+from railgate.fpga.targets import TARGETS, Goal, Target
 from railgate.fpga.tools import UnplacedError
 from railgate.waves import replacing
 
@@ -34,8 +35,8 @@ SEEDS = 5
 class Row:
     """What one target came to.
 
-    digest: of its sources. area: of the target alone. fmax_mhz: of seeds 1, 2, ….
-    failed: why a seed is missing.
+    digest: of its sources. area: of the target alone; peer: of its peer alone. fmax_mhz: of
+    seeds 1, 2, …. failed: why a seed is missing.
     """
 
     target: str
@@ -43,6 +44,7 @@ class Row:
     goal: Goal | None = None
     digest: str | None = None
     area: Area | None = None
+    peer: Area | None = None
     fmax_mhz: tuple[float, ...] = ()
     failed: str = ""
 
@@ -55,11 +57,17 @@ class Row:
         return statistics.median(self.fmax_mhz) if self.fmax_mhz else None
 
     @property
+    def lut_ratio(self) -> float | None:
+        return self.area.lut / self.peer.lut if self.area and self.peer else None
+
+    @property
     def met(self) -> bool | None:
         """Whether the goal is; None without one, or while that is open."""
         if self.goal is None:
             return None
         if self.failed or (self.fmax_mhz and min(self.fmax_mhz) < self.goal.worst_mhz):
+            return False
+        if self.goal.lut_ratio and self.lut_ratio and self.lut_ratio > self.goal.lut_ratio:
             return False
         if len(self.fmax_mhz) < SEEDS:
             return None
@@ -77,6 +85,8 @@ class Row:
             **area,
             "goal_mhz": self.goal and self.goal.worst_mhz,
             "goal_median_mhz": self.goal and self.goal.median_mhz,
+            "lut_ratio": self.lut_ratio and round(self.lut_ratio, 2),
+            "goal_lut_ratio": self.goal and self.goal.lut_ratio,
             "met": self.met,
             "seeds": len(self.fmax_mhz),
             "failed": self.failed,
@@ -119,6 +129,9 @@ def _placements(target: Target, row: Row, seeds: int, limit_s: float, kept: Path
     try:
         flow = Flow(row.target, sources, row.part, kept, limit_s)
         row = replace(row, digest=sources.digest, area=flow.synthesise().inside)
+        if target.peer:
+            other = Flow(target.peer, TARGETS[target.peer].sources(), row.part, kept, limit_s)
+            row = replace(row, peer=other.synthesise().inside)
         for seed in range(1, seeds + 1):
             row = replace(row, fmax_mhz=(*row.fmax_mhz, flow.place(seed)))
             yield row

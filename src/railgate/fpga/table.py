@@ -32,7 +32,17 @@ def _table(rows: Sequence[Row]) -> Table:
     table = Table(header_style="bold")
     for name in ("target", "kind"):
         table.add_column(name, no_wrap=True)
-    for name in ("worst MHz", "median MHz", "of ceiling", "LUT", "FF", "RAM", "DSP", "goal MHz"):
+    for name in (
+        "worst MHz",
+        "median MHz",
+        "of ceiling",
+        "LUT",
+        "FF",
+        "RAM",
+        "DSP",
+        "of peer",
+        "goal MHz",
+    ):
         table.add_column(name, justify="right")
     table.add_column("goal")
     ceiling = next((row.median_mhz for row in rows if row.target == CEILING), None)
@@ -45,6 +55,7 @@ def _table(rows: Sequence[Row]) -> Table:
             _mhz(row.median_mhz),
             f"{row.median_mhz / ceiling:.0%}" if row.median_mhz and ceiling else "",
             *map(str, area or [""] * 4),
+            "" if row.lut_ratio is None else f"{row.lut_ratio:.2f}",
             _goal(row),
             MET[row.met],
         )

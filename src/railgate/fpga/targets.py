@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 from amaranth.lib import wiring
 
-from railgate.fpga.gateware import Counter, Crc32, Lfsr, LiteEthMac, Sources, Ssi, netlist
+from railgate.fpga.gateware import (
+    Counter,
+    Crc32,
+    Lfsr,
+    LiteEthMac,
+    NaiveOdometer,
+    Sources,
+    Ssi,
+    netlist,
+)
 from railgate.fpga.gateware.mac import verilog as liteeth_verilog
 from railgate.odometer.gateware import Odometer
 from railgate.odometer.spec import Config as OdometerConfig
@@ -21,20 +30,23 @@ __all__ = ["CEILING", "TARGETS", "Goal", "Target", "chosen"]
 
 @dataclass(frozen=True)
 class Goal:
-    """Clock frequencies to reach on parts.REFERENCE, MHz: of the worst seed, and of the median."""
+    """On parts.REFERENCE: the clock to reach with the worst seed, and in the median, MHz; how many
+    LUTs it may take for each of its peer's."""
 
     worst_mhz: float
     median_mhz: float | None = None
+    lut_ratio: float | None = None
 
 
 @dataclass(frozen=True)
 class Target:
-    """component: of domain sync alone. kind: ceiling, peer or function. goal: of a function.
-    verilog: of what the component instantiates."""
+    """component: of domain sync alone. kind: ceiling, peer or function. goal: of a function. peer:
+    the target that does the same, or none. verilog: of what the component instantiates."""
 
     component: Callable[[], wiring.Component]
     kind: str
     goal: Goal | None = None
+    peer: str = ""
     verilog: Callable[[], str] = str
 
     def sources(self) -> Sources:
@@ -52,7 +64,13 @@ TARGETS: Mapping[str, Target] = {
     "crc32": Target(Crc32, "peer"),
     "liteeth": Target(LiteEthMac, "peer", verilog=liteeth_verilog),
     "position_link": Target(lambda: PositionLink(LinkConfig()), "function", Goal(280)),
-    "odometer": Target(lambda: Odometer(OdometerConfig(sensors=1)), "function", Goal(280, 300)),
+    "naive_odometer": Target(lambda: NaiveOdometer(OdometerConfig(sensors=1)), "peer"),
+    "odometer": Target(
+        lambda: Odometer(OdometerConfig(sensors=1)),
+        "function",
+        Goal(280, 300, lut_ratio=1.3),
+        peer="naive_odometer",
+    ),
     "vital_output": Target(lambda: Channel(VitalConfig(outputs=16), 0), "function", Goal(150)),
 }
 """By name, the small ones first."""

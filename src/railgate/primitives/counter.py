@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from amaranth.hdl import Cat, Const, Module, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
+
+from railgate.primitives.chunked import chunks, packed
 
 __all__ = ["ChunkedSum", "LookaheadCounter"]
 
@@ -35,18 +37,18 @@ class LookaheadCounter(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        chunks = [self.value[part] for part in _chunks(self._width)]
+        pieces = [self.value[part] for part in chunks(self._width, CHUNK_BITS)]
         for name, number in self._marks.items():
             m.d.sync += getattr(self, name).eq(self._at(m, number, name))
         wraps = self._modulus < 1 << self._width  # other than by itself
         ends = self._at(m, self._modulus - 1, "last") if wraps else Const(0)
 
-        full = Signal(len(chunks))
-        carries = Signal(len(chunks), init=1)
+        full = Signal(len(pieces))
+        carries = Signal(len(pieces), init=1)
         last = Signal()
-        m.d.sync += [full.eq(Cat(chunk.all() for chunk in chunks)), last.eq(ends)]
+        m.d.sync += [full.eq(Cat(piece.all() for piece in pieces)), last.eq(ends)]
         for n, (chunk, greatest) in enumerate(
-            zip(chunks, _split(self._modulus - 1, self._width), strict=True)
+            zip(pieces, _split(self._modulus - 1, self._width), strict=True)
         ):
             # What leads from its greatest value to 0; the carry is the lowest bit of it.
             lacks = -greatest if wraps else 0
@@ -60,9 +62,9 @@ class LookaheadCounter(wiring.Component):
     def _at(self, m: Module, number: int, name: str) -> Value:
         """A tick ago the value was this number."""
         parts = _split(number, self._width)
-        chunks = [self.value[part] for part in _chunks(self._width)]
-        at = Signal(len(parts), name=f"at_{name}", init=_bits(part == 0 for part in parts))
-        m.d.sync += at.eq(Cat(chunk == part for chunk, part in zip(chunks, parts, strict=True)))
+        pieces = [self.value[part] for part in chunks(self._width, CHUNK_BITS)]
+        at = Signal(len(parts), name=f"at_{name}", init=packed(part == 0 for part in parts))
+        m.d.sync += at.eq(Cat(piece == part for piece, part in zip(pieces, parts, strict=True)))
         return at.all()
 
 
@@ -85,9 +87,9 @@ class ChunkedSum(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        parts = _chunks(self._width)
+        parts = chunks(self._width, CHUNK_BITS)
         tops = [1 << part.stop for part in parts]
-        carried = _bits(self._start % top + self._addend % top >= top for top in tops)
+        carried = packed(self._start % top + self._addend % top >= top for top in tops)
         carries = Signal(len(parts), init=carried)
         for n, (part, addend) in enumerate(
             zip(parts, _split(self._addend, self._width), strict=True)
@@ -98,16 +100,6 @@ class ChunkedSum(wiring.Component):
         return m
 
 
-def _chunks(width: int) -> list[slice]:
-    """The bits of each chunk, the lowest first."""
-    return [slice(at, min(at + CHUNK_BITS, width)) for at in range(0, width, CHUNK_BITS)]
-
-
 def _split(number: int, width: int) -> list[int]:
     """The chunks of a number, of its lowest `width` bits."""
-    return [number % (1 << part.stop) >> part.start for part in _chunks(width)]
-
-
-def _bits(values: Iterable[bool]) -> int:
-    """A number of these bits, the lowest first."""
-    return sum(value << n for n, value in enumerate(values))
+    return [number % (1 << part.stop) >> part.start for part in chunks(width, CHUNK_BITS)]

@@ -3,6 +3,7 @@
 import time
 from fractions import Fraction
 from functools import cache
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -27,8 +28,9 @@ FEMTOSECOND = Fraction(1, 10**15)
 BOOT = 77
 WAIT_S = 20.0
 """For an answer: the top in the engine is slower than one on a board."""
-LOOKS_AFTER_S = 1.0
-"""So long the top runs before it is looked at."""
+LOOKS_EVERY_S = 1.0
+LOOKS = 60
+"""At most, until a channel is through its start-up test: how fast the engine is varies."""
 
 
 @cache
@@ -55,8 +57,8 @@ def line() -> Trace:
 
 
 @cache
-def commands(bit_ticks: int) -> Trace:
-    """What CPU 1 sends: in each system cycle the time, then a command."""
+def commands(bit_ticks: int, board: int) -> Trace:
+    """What the CPU of FPGA `board` + 1 sends: in each system cycle the time, then a command."""
     config = UNIT.vital
     ticks, levels = [0], [1]
     for index in range(20 * SECONDS):
@@ -64,7 +66,7 @@ def commands(bit_ticks: int) -> Trace:
         frame = time_frame(index, 0, BOOT)
         phase = config.cycle_ticks // 2 + len(sent(frame, bit_ticks))
         data = time_frame(index, phase, BOOT)
-        data += command_frame(encode(config, 0, index, index + 1, 1))
+        data += command_frame(encode(config, board, index, index + 1, 1))
         bits = np.array([*sent(data, bit_ticks), 1])
         changes = np.flatnonzero(np.diff(bits, prepend=1))
         ticks += [start + int(at) for at in changes]
@@ -87,7 +89,7 @@ def pins(target: str, made: Design) -> Trace:
     there = {
         "sensor_1": wheels,
         "link": line,
-        "channel": lambda: commands(top.bit_ticks),
+        "channel": lambda: commands(top.bit_ticks, int(target == "fpga_2")),
     }
     traces = [make() for name, make in there.items() if name in top.signature.members]
     if not made.single:
@@ -112,8 +114,11 @@ def test_a_top_answers_attach(target) -> None:
         on_line(Running(made, "cxxrtl", pins(target, made)), wire) as serial,
         UartBus(serial.port, BAUD, WAIT_S) as bus,
     ):
-        live = Live(bus, UNIT, lambda _: time.sleep(LOOKS_AFTER_S) is None)
-        told = {each["function"]: each for each in next(readings(live, Fraction(1)))}
+        live = Live(bus, UNIT, lambda _: time.sleep(LOOKS_EVERY_S) is None)
+        for reading in islice(readings(live, Fraction(1)), LOOKS):
+            told = {each["function"]: each for each in reading}
+            if told.get("vital_output", {"accepted": 1})["accepted"]:
+                break
     assert {name: each["address"] for name, each in told.items()} == {
         block.name: base for base, block in top.map.blocks.items()
     }
@@ -129,7 +134,9 @@ def test_a_top_answers_attach(target) -> None:
         channel = told["vital_output"]
         assert (channel["trusted"], channel["linked"]) == (True, False)
         assert (channel["accepted"] > 0, channel["start"]) == (True, 1)
-        assert sum(channel["causes"].values()) == channel["start"]
+        # Its first second; and that nobody votes with it.
+        assert channel["causes"]["time"] == channel["start"]
+        assert channel["causes"].keys() <= {"time", "skew"}
 
 
 @pytest.mark.parametrize("target", TARGETS)

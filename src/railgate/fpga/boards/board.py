@@ -63,7 +63,7 @@ BOARDS: Mapping[str, Board] = {
         module="ice40_hx8k_b_evn",
         platform="ICE40HX8KBEVNPlatform",
         loader="iceprog -S",
-        fits=("odometer", "position_link"),
+        fits=("position_link",),
     ),
     "icebreaker": Board(
         title="iCEBreaker",

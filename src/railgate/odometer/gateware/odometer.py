@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Signal
+from amaranth.hdl import Cat, Module, Signal
 from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.odometer.gateware.sensor import Sensor, shape
+from railgate.odometer.gateware.sensor import Sensor, settled, shape
 from railgate.odometer.gateware.stamps import STAMP_LAYOUT
 from railgate.odometer.spec import Config
+from railgate.primitives.chunked import count, delayed
 
 __all__ = ["Odometer"]
+
+
+LAST = Config.snapshot_latency_ticks - 2
+"""Ticks after the latch in which the fields change with the next one: what is only then there is
+told at once."""
 
 
 class Gate(wiring.Component):
     """Turns a strobe into one gate for all sensors, and tells when the fields may change.
 
-    strobe: in, 1 bit. busy: out, 1 bit, a strobe now would join the gate under way.
-    latch: out, 1 bit, in the tick after the strobe. publish: out, 1 bit, in the tick before the
-    fields change. ticks: out, the tick, modulo its width. number, time: out, registers, the fields
-    that all sensors share. Requirement ODO-7.
+    strobe: in, 1 bit. busy: out, 1 bit, register, a strobe now would join the gate under way.
+    latches: out, register, bit n is 1 n + 1 ticks after a strobe that opened the gate; the last
+    one in the tick before the fields change. ticks: out, register, the tick before, modulo its
+    width. number, time: out, registers, the fields that all sensors share. Requirement ODO-7.
     """
 
     def __init__(self, config: Config) -> None:
@@ -29,8 +35,7 @@ class Gate(wiring.Component):
             {
                 "strobe": In(1),
                 "busy": Out(1),
-                "latch": Out(1),
-                "publish": Out(1),
+                "latches": Out(config.snapshot_latency_ticks - 1),
                 "ticks": Out(ticks if config.stamp_depth else config.time_bits),
             }
             | {field.name: Out(shape(field)) for field in config.common_fields}
@@ -38,19 +43,20 @@ class Gate(wiring.Component):
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        latency = self._config.snapshot_latency_ticks
-        remaining = Signal(range(latency))
         opens = self.strobe & ~self.busy
-        m.d.comb += [self.busy.eq(remaining != 0), self.publish.eq(remaining == 1)]
-        m.d.sync += [self.ticks.eq(self.ticks + 1), self.latch.eq(opens)]
-
-        strobe_time = Signal.like(self.time)
-        with m.If(opens):
-            m.d.sync += [remaining.eq(latency - 1), strobe_time.eq(self.ticks)]
-        with m.Elif(self.busy):
-            m.d.sync += remaining.eq(remaining - 1)
-        with m.If(self.publish):
-            m.d.sync += [self.number.eq(self.number + 1), self.time.eq(strobe_time)]
+        publish = self.latches[-1]
+        m.d.sync += [
+            self.latches.eq(Cat(opens, self.latches)),
+            self.busy.eq(opens | (self.busy & ~publish)),
+        ]
+        count(m, self.ticks, delayed(m, 1, 1, name="started"))
+        next_number = Signal.like(self.number)
+        next_time = Signal.like(self.time, reset_less=True)
+        count(m, next_number, self.latches[0])
+        with m.If(self.latches[0]):
+            m.d.sync += next_time.eq(self.ticks)
+        with m.If(publish):
+            m.d.sync += [self.number.eq(next_number), self.time.eq(next_time)]
         return m
 
 
@@ -88,13 +94,16 @@ class Odometer(wiring.Component):
         ]
         for index, pins in enumerate(self.sensor):
             m.submodules[f"sensor_{index}"] = sensor = Sensor(self._config)
-            m.d.comb += [sensor.a.eq(pins.a), sensor.b.eq(pins.b), sensor.latch.eq(gate.latch)]
+            m.d.comb += [sensor.a.eq(pins.a), sensor.b.eq(pins.b), sensor.latches.eq(gate.latches)]
             for field in self._config.sensor_fields:
-                latched = Signal(shape(field), name=f"latched_{index}_{field.name}")
-                with m.If(gate.latch):
-                    m.d.sync += latched.eq(getattr(sensor, field.name))
-                with m.If(gate.publish):
-                    m.d.sync += getattr(pins, field.name).eq(latched)
+                name = f"latched_{index}_{field.name}"
+                latched = Signal(shape(field), reset_less=True, name=name)
+                live, told = getattr(sensor, field.name), getattr(pins, field.name)
+                for part, late in settled(self._config, field):
+                    with m.If(gate.latches[late]):
+                        m.d.sync += latched[part].eq(live[part])
+                    with m.If(gate.latches[LAST]):
+                        m.d.sync += told[part].eq((live if late == LAST else latched)[part])
             if self._config.stamp_depth:
                 m.d.comb += sensor.ticks.eq(gate.ticks)
                 wiring.connect(m, sensor.stamps, wiring.flipped(pins.stamps))

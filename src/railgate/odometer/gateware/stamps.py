@@ -21,8 +21,8 @@ FIFO_TICKS = 2
 class Stamps(wiring.Component):
     """A FIFO of `stamp_depth` entries, each offered `stamp_latency_ticks` after its edge.
 
-    edge: in, 1 bit, an edge of either channel. ticks: in, its tick, modulo 2³². a, b: in, 1 bit,
-    the levels after it. overflow: out, 1 bit, this tick's entry is dropped.
+    edge: in, 1 bit, there was an edge of either channel in the tick before. ticks: in, that tick,
+    modulo 2³². a, b: in, 1 bit, the levels after it. overflow: out, 1 bit, its entry is dropped.
     stamps: out, stream of STAMP_LAYOUT; its payload is 0 while none is offered. Requirement ODO-13.
     """
 
@@ -47,7 +47,8 @@ class Stamps(wiring.Component):
         lost = Signal()
         full = held == depth
         put = self.edge & ~full
-        take = self.stamps.valid & self.stamps.ready
+        take = Signal()  # as late as the edge
+        m.d.sync += take.eq(self.stamps.valid & self.stamps.ready)
         m.d.comb += self.overflow.eq(self.edge & full)
         m.d.sync += held.eq(held + put - take)
         with m.If(self.edge):
@@ -60,7 +61,7 @@ class Stamps(wiring.Component):
             entry.b.eq(self.b),
             entry.lost.eq(lost),
         ]
-        for stage in range(self._config.stamp_latency_ticks - FIFO_TICKS):
+        for stage in range(self._config.stamp_latency_ticks - FIFO_TICKS - 1):
             delayed = Signal(STAMP_LAYOUT, name=f"entry_{stage}")
             delayed_put = Signal(name=f"put_{stage}")
             m.d.sync += [delayed.eq(entry), delayed_put.eq(put)]

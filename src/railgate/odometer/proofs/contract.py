@@ -5,14 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
-from amaranth.hdl import Array, Cat, Module, Mux, Signal, Value
+from amaranth.hdl import Array, Cat, Module, Mux, Shape, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.odometer.spec import Config, Direction
+from railgate.odometer.spec import Config, Direction, Flag
 from railgate.proving import Internals, Monitor
 
-__all__ = ["SEATED", "SMALL", "Channel", "Observed", "Strobes", "Travel", "quarter"]
+__all__ = [
+    "LATE",
+    "SEATED",
+    "SMALL",
+    "Channel",
+    "Observed",
+    "Strobes",
+    "Travel",
+    "aged",
+    "counts",
+    "quarter",
+]
 
 SMALL = Config(
     clock_hz=20_000,
@@ -28,50 +39,65 @@ SEATED = 3
 """The tick from which the pin's level, so late, is the filtered one where filter_ticks = 0."""
 
 
-class Channel(wiring.Component):
-    """A pin as the contract has it where filter_ticks = 0: f[k] = pin[k - 3] from tick 3 on.
+LATE = 3
+"""Ticks by which the gateware's sensors, and so what is observed of them, are late."""
 
-    pin: in, 1 bit. level: out, 1 bit, f[k]. rise, fall: out, 1 bit, an edge in this tick, from
-    tick 4 on. before: out, 1 bit, f[k - 1]. ticks: since reset, SEATED + 1 at most.
+
+class Channel(wiring.Component):
+    """A pin as the contract has it where filter_ticks = 0, `late` ticks late.
+
+    So f[k] = pin[k - 3] from tick 3 on.
+    pin: in, 1 bit. level: out, 1 bit, f[k - late]. rise, fall: out, 1 bit, an edge in that tick,
+    from tick 4 on. before: out, 1 bit, the level a tick before. begun: out, 1 bit, what has no
+    reset in the gateware has started.
     """
 
-    def __init__(self) -> None:
-        outs = ("level", "rise", "fall", "before")
-        super().__init__({"pin": In(1)} | {name: Out(1) for name in outs})
-        self._past = Signal(SEATED + 1)
-        self.ticks = Signal(range(SEATED + 2))
+    def __init__(self, late: int = 0) -> None:
+        super().__init__(
+            {"pin": In(1)} | {name: Out(1) for name in ("level", "before", "rise", "fall", "begun")}
+        )
+        self._seated = SEATED + late
+        self._past = Signal(self._seated + 1)
+        self.ticks = Signal(range(self._seated + 2))
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        ticks = self.ticks
+        ticks, before = self.ticks, self._past[self._seated]
+        told = ticks == self._seated + 1
         m.d.sync += [
             self._past.eq(Cat(self.pin, self._past)),
-            ticks.eq(Mux(ticks == SEATED + 1, ticks, ticks + 1)),
+            ticks.eq(Mux(told, ticks, ticks + 1)),
         ]
-        told = ticks == SEATED + 1
         m.d.comb += [
-            self.level.eq((ticks >= SEATED) & self._past[SEATED - 1]),
-            self.before.eq(told & self._past[SEATED]),
-            self.rise.eq(told & self.level & ~self.before),
-            self.fall.eq(~self.level & self.before),
+            self.level.eq((ticks >= self._seated) & self._past[self._seated - 1]),
+            self.rise.eq(told & self.level & ~before),
+            self.fall.eq(told & ~self.level & before),
+            self.before.eq(told & before),
+            self.begun.eq(ticks > 1),
         ]
         return m
 
     def agrees(self, inner: Internals, path: str) -> Value:
         """The invariant that binds the input `path` of the gateware to the pin's past."""
+        ticks = self.ticks
+        edge = (ticks > SEATED) & (self._past[SEATED - 1] != self._past[SEATED])
         expected = {
             "synchroniser.stage0": self._past[0],
             "synchroniser.stage1": self._past[1],
-            "level": self.level,
-            "rise": self.rise,
-            "fall": self.fall,
-            "seats": (1 << self.ticks)[:SEATED],
+            "level": (ticks >= SEATED) & self._past[SEATED - 1],
+            "rise": edge & self._past[SEATED - 1],
+            "fall": edge & ~self._past[SEATED - 1],
+            "seats": (1 << ticks)[:SEATED],
             "held": 0,
         }
         equal = [inner[f"{path}.{name}"] == value for name, value in expected.items()]
         # What is older than the reset is 0.
-        silent = (self.ticks > 1) | ((self._past >> self.ticks)[:2] == 0)
-        return Cat(*equal, silent, self.ticks <= SEATED + 1).all()
+        silent = (ticks > 1) | ((self._past >> ticks)[:2] == 0)
+        return Cat(*equal, silent, ticks <= self._seated + 1).all()
+
+    def age(self, tick: int) -> Value:
+        """Whether it is that tick of the contract, or a later one."""
+        return self.ticks >= tick + self._seated - SEATED
 
 
 class Travel(wiring.Component):
@@ -109,11 +135,12 @@ class Travel(wiring.Component):
         m.d.comb += self.next.eq(Array(after)[steps])
         return m
 
-    def agrees(self, inner: Internals, path: str, a: Value, b: Value) -> Value:
-        """The invariant that binds the steps of the sensor at `path`, and the levels before this
-        tick's edges, to these."""
-        same = inner[f"{path}.steps.direction"] == self.direction
-        return (quarter(a, b) == self._before) & same
+    def agrees(self, inner: Internals, path: str) -> Value:
+        """The invariant that binds the steps of the sensor at `path` to these."""
+        steps = f"{path}.steps"
+        return (inner[f"{steps}.heading"] == self.next) & (
+            inner[f"{steps}.direction"] == self.direction
+        )
 
 
 def quarter(a: Value, b: Value) -> Value:
@@ -124,39 +151,44 @@ def quarter(a: Value, b: Value) -> Value:
 class Strobes(wiring.Component):
     """The gate as the contract has it: strobes while one is under way change nothing.
 
-    strobe: in, 1 bit. opens: out, 1 bit, this tick's strobe is a snapshot's. latches: out, 1 bit,
-    the last tick's was. busy: out, 1 bit. publishes: out, 1 bit, in the tick before the fields
-    change. delivers: out, 1 bit, in the first tick in which they are a new snapshot's.
+    strobe: in, 1 bit. opens: out, 1 bit, the strobe of `late` ticks ago is a snapshot's. latches:
+    out, 1 bit, that of the tick before was. opened: out, 16 bits, bit n: that of n + 1 ticks ago
+    is one. busy: out, 1 bit. publishes: out, 1 bit, in the tick before the fields change. delivers:
+    out, 1 bit, in the first tick in which they are a new snapshot's.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, late: int = 0) -> None:
+        self._late = late
         flags = ("opens", "latches", "busy", "publishes", "delivers")
-        super().__init__({"strobe": In(1)} | {name: Out(1) for name in flags})
-        self._past = Signal(Config.snapshot_latency_ticks)  # bit n: one opened n + 1 ticks ago
+        super().__init__(
+            {"strobe": In(1), "opened": Out(Config.snapshot_latency_ticks)}
+            | {name: Out(1) for name in flags}
+        )
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
-        m.d.sync += self._past.eq(Cat(self.opens, self._past))
+        opens = self.strobe & ~self.busy
+        m.d.sync += self.opened.eq(Cat(opens, self.opened))
         m.d.comb += [
-            self.opens.eq(self.strobe & ~self.busy),
-            self.latches.eq(self._past[0]),
-            self.busy.eq(self._past[:-1].any()),
-            self.publishes.eq(self._past[-2]),
-            self.delivers.eq(self._past[-1]),
+            self.opens.eq(Cat(opens, self.opened)[self._late]),
+            self.latches.eq(self.opened[self._late]),
+            self.busy.eq(self.opened[:-1].any()),
+            self.publishes.eq(self.opened[-2]),
+            self.delivers.eq(self.opened[-1]),
         ]
         return m
 
     def agrees(self, inner: Internals) -> Value:
         """The invariant that binds the gateware's gate to the strobes of the past."""
-        last = len(self._past) - 1
-        under_way = [self._past[n] == (inner["gate.remaining"] == last - n) for n in range(last)]
-        alone = ~(self._past[-1] & self.busy)
-        return Cat(*under_way, inner["gate.latch"] == self.latches, alone).all()
+        alone = (self.opened & (self.opened - 1)) == 0
+        same = inner["gate.latches"] == self.opened[:-1]
+        return alone & same & (inner["gate.busy"] == self.busy)
 
 
 class Observed(Monitor):
     """An odometer with filter_ticks = 0, its sensor 0 and its strobe free; its other sensors rest.
 
+    Edges and strobes are observed LATE ticks late, as the gateware's sensors take them.
     For what is claimed of one sensor: each is what it would be alone, by odometer.sensors. `lemmas`
     are further ones beside `inputs` and `gate`.
     """
@@ -164,9 +196,12 @@ class Observed(Monitor):
     def __init__(self, config: Config, lemmas: Iterable[str] = ()) -> None:
         super().__init__({"a": 1, "b": 1, "strobe": 1}, ("inputs", "gate", *lemmas))
         self.config = config
-        self.on_a, self.on_b = Channel(), Channel()
-        self.travel, self.strobes = Travel(), Strobes()
-        self.at_strobe: dict[str, Value] = {}
+        self.on_a, self.on_b = Channel(LATE), Channel(LATE)
+        self.travel, self.strobes = Travel(), Strobes(LATE)
+        self.at_strobe = {
+            field.name: Signal(Shape(field.width, field.signed), name=f"{field.name}_at_strobe")
+            for field in config.sensor_fields
+        }
 
     def odometer(self, m: Module) -> Internals:
         """Adds the odometer and the contract's view of its inputs."""
@@ -191,28 +226,111 @@ class Observed(Monitor):
                 self.on_a.agrees(inner, "sensor_0.input_a")
                 & self.on_b.agrees(inner, "sensor_0.input_b")
                 & (self.on_a.ticks == self.on_b.ticks)
-                & self.travel.agrees(inner, "sensor_0", self.on_a.before, self.on_b.before)
+                & self.travel.agrees(inner, "sensor_0")
             ),
             self.lemma.gate.eq(self.strobes.agrees(inner)),
         ]
         return inner
 
     def reports(
-        self, m: Module, inner: Internals, fields: Mapping[str, Value]
+        self,
+        m: Module,
+        inner: Internals,
+        fields: Mapping[str, tuple[Value, Value]],
     ) -> tuple[Value, Value]:
         """That the snapshot's fields are those values as they stand after the strobe's tick.
 
-        fields: sensor 0's, by name, each after the events of this tick; `at_strobe` then has them
-        as they were in the last strobe's. The first value returned is the claim at the ports, of
-        all ticks with busy = 0; the second the invariant behind it.
+        fields: sensor 0's, by name, before and after the events of this tick; `at_strobe` then has
+        them as they were after the last strobe's. The first value returned is the claim at the
+        ports, of all ticks with busy = 0; the second the invariant behind it: each part of the
+        gateware's register has, so late as it is, what it had before the events of a tick.
         """
+        from railgate.odometer.gateware.sensor import settled
+
+        opened, busy = self.strobes.opened, self.strobes.busy
         told, carried = [], []
-        for name, value in fields.items():
-            live, out = inner[f"sensor_0.{name}"], inner[f"sensor.0.{name}"]
-            self.at_strobe[name] = copy = Signal.like(live, name=f"{name}_at_strobe")
+        for name, (before, after) in fields.items():
+            field = next(each for each in self.config.sensor_fields if each.name == name)
+            out, latched = inner[f"sensor.0.{name}"], inner[f"latched_0_{name}"]
+            register = inner[f"sensor_0.{name}"]
+            copy = self.at_strobe[name]
             with m.If(self.strobes.opens):
-                m.d.sync += copy.eq(value)
-            under_way = Mux(self.strobes.latches, live, inner[f"latched_0_{name}"])
-            told.append(self.strobes.busy | (out == copy))
-            carried.append(Mux(self.strobes.busy, under_way, out) == copy)
+                m.d.sync += copy.eq(after)
+            told.append(busy | (out == copy))
+            carried.append(told[-1])
+            past: list[Value] = [before]
+            for part, late in settled(self.config, field):
+                while len(past) <= late - LATE:
+                    past.append(Signal.like(out, name=f"{name}_{len(past)}_ago"))
+                    m.d.sync += past[-1].eq(past[-2])
+                live = register[part] == past[late - LATE][part]
+                taken = opened[late + 1 : -1].any()
+                carried += [live | ~self.on_a.begun, ~taken | (latched[part] == copy[part])]
+            carried += [~opened[LATE + n] | (each == copy) for n, each in enumerate(past)]
         return Cat(*told).all(), Cat(*carried).all()
+
+    def cleared(self, name: str, value: Value) -> Value:
+        """Before this tick's events, a gateware's register of a field that a strobe clears.
+
+        It is cleared by the latch, and an edge in its tick is in it a tick later.
+        """
+        strobes = self.strobes
+        return Mux(strobes.latches, self.at_strobe[name], Mux(strobes.opened[LATE + 1], 0, value))
+
+    def flagged(
+        self, m: Module, inner: Internals, flag: Flag, due: Value, at_strobe: Value
+    ) -> tuple[Value, Value]:
+        """That the snapshot's flags have that one where it was due.
+
+        due: it is, before this tick's events. at_strobe: it was after the last strobe's. Returns
+        the claim and its invariant, as `reports`.
+        """
+        from railgate.odometer.gateware.sensor import settled
+
+        opened = self.strobes.opened
+        field = next(each for each in self.config.sensor_fields if each.name == "flags")
+        ((_, late),) = settled(self.config, field)
+        live, latched, out = (
+            (inner[path] & flag).any()
+            for path in ("sensor_0.flags", "latched_0_flags", "sensor.0.flags")
+        )
+        told = opened[LATE:-1].any() | ~at_strobe | out
+        carried = [told, ~opened[late + 1 : -1].any() | ~at_strobe | latched]
+        past: Value = Mux(self.strobes.latches, at_strobe, due)
+        for n in range(late - LATE + 1):
+            carried.append(~opened[LATE + n] | (past == at_strobe))
+            if n == late - LATE:
+                carried.append(~past | live)
+            ago = Signal(name=f"{flag.name}_{n + 1}_ago")
+            m.d.sync += ago.eq(past)
+            past = ago
+        return told, Cat(*carried).all()
+
+
+def aged(inner: Internals, of: Channel, since: Value, limit: int) -> Value:
+    """The invariant of sensor 0's ticks since the last edge, which are `since`, from tick 1 on."""
+    ages = [counts(inner, f"sensor_0.ages.age_{which}", saturates=True) for which in range(2)]
+    expected = Mux(since > limit, limit, since)
+    return ~of.begun | (
+        ages[0] & ages[1] & (~of.age(1) | (inner["sensor_0.ages.last"] == expected))
+    )
+
+
+def counts(inner: Internals, name: str, *, saturates: bool = False) -> Value:
+    """The invariant of a counter of the gateware: what is looked ahead for is so."""
+    from railgate.primitives.chunked import CHUNK_BITS, LOW_BITS, LUT_BITS, chunks
+
+    value = inner[name]
+    low, high = value[:LOW_BITS], value[LOW_BITS:]
+    same = [inner[f"{name}_full"] == value.all()]
+    if not len(high):
+        return same[0]
+    ones, ahead, passes = (inner[f"{name}_{flag}"] for flag in ("ones", "ahead", "passes"))
+    for flag, part in zip(ones, chunks(len(high), LUT_BITS), strict=True):
+        same.append((low == 0) | (flag == high[part].all()))
+    for at, flag in enumerate(ahead):
+        same.append((low <= at + 1) | (flag == high[: (at + 1) * CHUNK_BITS].all()))
+    for at, flag in enumerate(passes):
+        here = value[: LOW_BITS + at * CHUNK_BITS].all()
+        same.append(flag == (here & ~value.all() if saturates else here))
+    return Cat(*same).all()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from amaranth.hdl import C, Cat, Module, Mux, Signal
 
-from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.proofs.contract import LATE, Observed
 from railgate.odometer.spec import Config, Flag
 from railgate.proving import Claim, Induction, Mutant, Run, Search
 
@@ -28,27 +28,41 @@ class _Flags(Observed):
         super().__init__(Config(), lemmas=("live", "carried"))
 
     def elaborate(self, _platform: object) -> Module:
+        from railgate.odometer.gateware.sensor import settled
+
         m = Module()
         inner = self.odometer(m)
 
+        field = next(each for each in self.config.sensor_fields if each.name == "flags")
+        ((_, late),) = settled(self.config, field)
+        reversal, illegal = self.travel.reversal, self.travel.illegal
+        for _ in range(late - LATE):
+            earlier = reversal, illegal
+            reversal, illegal = Signal(), Signal()
+            m.d.sync += Cat(reversal, illegal).eq(Cat(*earlier))
         events = dict(zip(Flag, inner["sensor_0.happened"], strict=True)) | {
-            Flag.REVERSAL: self.travel.reversal,
-            Flag.ILLEGAL: self.travel.illegal,
+            Flag.REVERSAL: reversal,
+            Flag.ILLEGAL: illegal,
             Flag.GLITCH: C(0),
         }
-        pending = Signal(len(Flag))
+        opened, busy = self.strobes.opened, self.strobes.busy
+        pending, at_strobe = Signal(len(Flag)), Signal(len(Flag))
         pending_now = pending | Cat(events.values())
-        m.d.sync += pending.eq(Mux(self.strobes.opens, 0, pending_now))
-        told, carried = self.reports(m, inner, {"flags": pending_now})
+        m.d.sync += pending.eq(Mux(opened[late - 1], 0, pending_now))
+        with m.If(opened[late - 1]):
+            m.d.sync += at_strobe.eq(pending_now)
 
-        live, latches = inner["sensor_0.flags"], self.strobes.latches
+        live, latched, out = (
+            inner[path] for path in ("sensor_0.flags", "latched_0_flags", "sensor.0.flags")
+        )
+        told = busy | (out == at_strobe)
         m.d.comb += [
             self.lemma.live.eq(
-                Mux(latches, (live == self.at_strobe["flags"]) & (pending == 0), live == pending)
+                Mux(opened[late], (live == at_strobe) & (pending == 0), live == pending)
             ),
-            self.lemma.carried.eq(carried),
+            self.lemma.carried.eq(told & (~opened[late + 1 : -1].any() | (latched == at_strobe))),
             self.holds.eq(told),
-            self.reached.eq(self.strobes.delivers & (inner["sensor.0.flags"] != 0)),
+            self.reached.eq(self.strobes.delivers & (out != 0)),
         ]
         return m
 
@@ -71,17 +85,22 @@ CLAIMS = (
         ),
         requirements=("ODO-7", "ODO-12"),
         monitor=_Flags,
-        method=Induction(),
+        method=Induction(12),
         cover=READ,
         mutants=(
             _mutant(
                 "strobe-wins-over-event",
-                "Mux(self.latch, 0, self.flags) | happened",
-                "Mux(self.latch, 0, self.flags | happened)",
+                "Mux(self.latches[LATE + told], 0, self.flags) | happened",
+                "Mux(self.latches[LATE + told], 0, self.flags | happened)",
                 MANY_READS,
             ),
-            _mutant("not-sticky", "Mux(self.latch, 0, self.flags) | happened", "happened"),
-            _mutant("never-cleared", "Mux(self.latch, 0, self.flags)", "self.flags", MANY_READS),
+            _mutant("not-sticky", "Mux(self.latches[LATE + told], 0, self.flags) |", ""),
+            _mutant(
+                "never-cleared",
+                "Mux(self.latches[LATE + told], 0, self.flags)",
+                "self.flags",
+                MANY_READS,
+            ),
             _mutant(
                 "other-flag",
                 "events[Flag.REVERSAL] = steps.reversal",
@@ -91,5 +110,6 @@ CLAIMS = (
                 "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", READ, "odometer"
             ),
         ),
+        fast=False,
     ),
 )

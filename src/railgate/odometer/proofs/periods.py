@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from amaranth.hdl import Module, Mux, Signal
 
-from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.proofs.contract import Observed, aged
 from railgate.odometer.spec import Config
 from railgate.proving import Claim, Induction, Mutant
 
@@ -30,14 +30,13 @@ class _Periods(Observed):
 
         tick, first, last = (Signal(TICK_BITS, name=name) for name in ("tick", "first", "last"))
         since = Signal(self.config.period_bits + 1)  # last rise, or tick 0, saturating far above
-        begun, closed, total = Signal(), Signal(), Signal(TICK_BITS)
-        saturated = Signal()
-        m.d.sync += [
-            tick.eq(tick + 1),
-            since.eq(Mux(since.all(), since, since + 1)),
-            closed.eq(self.on_a.rise & begun),
-        ]
-        with m.If(self.on_a.rise):
+        begun, total = Signal(), Signal(TICK_BITS)
+        saturated, closes, closed = Signal(), Signal(), Signal()
+        rise, counts = self.on_a.rise, self.on_a.age(0)
+        m.d.sync += [closes.eq(rise & begun), closed.eq(closes)]
+        with m.If(counts):
+            m.d.sync += [tick.eq(tick + 1), since.eq(Mux(since.all(), since, since + 1))]
+        with m.If(rise):
             m.d.sync += [last.eq(tick), since.eq(1), begun.eq(1), saturated.eq(since >= limit)]
             with m.If(~begun):
                 m.d.sync += first.eq(tick)
@@ -46,18 +45,18 @@ class _Periods(Observed):
         with m.If(closed):
             m.d.sync += total.eq(total_now)
 
-        register = inner["sensor_0.since_rise.ticks"]
-        started = inner["sensor_0.since_rise.started"]
+        pending = closes | closed
         m.d.comb += [
             self.lemma.elapsed.eq(
                 (since.all() | ((tick - last)[:TICK_BITS] == since))
-                & (started == (since != 0))
-                & (register == Mux(since > limit, limit, Mux(started, since - 1, 0)))
+                & (counts | ((tick == 0) & ~begun))
+                & aged(inner, self.on_a, since, limit)
             ),
             self.lemma.begun.eq(
-                (inner["sensor_0.period.begun"] == begun) & (begun | (~closed & (total == 0)))
+                (inner["sensor_0.period.begun"] == (begun | rise))
+                & (begun | (~pending & (total == 0)))
             ),
-            self.lemma.sum.eq(closed | (total == (last - first)[:TICK_BITS])),
+            self.lemma.sum.eq(pending | (total == (last - first)[:TICK_BITS])),
             self.holds.eq(
                 ~closed
                 | Mux(
@@ -85,27 +84,30 @@ CLAIMS = (
         ),
         requirements=("ODO-2",),
         monitor=_Periods,
-        method=Induction(),
+        method=Induction(8),
         mutants=(
             _mutant(
-                "restarts-at-one",
-                "Mux(self.restart, 0, self.now)",
-                "Mux(self.restart, 1, self.now)",
+                "restarts-at-two",
+                'init=1, reset_less=True, name=f"age',
+                'init=2, reset_less=True, name=f"age',
             ),
-            _mutant("never-restarts", "Mux(self.restart, 0, self.now)", "self.now"),
+            _mutant(
+                "never-restarts",
+                "restart.eq((self.edge_soon & (boundary_soon != which)) | self.tick_0_soon)",
+                "restart.eq(self.tick_0_soon)",
+            ),
             _mutant(
                 "tick-missing",
-                "period.elapsed.eq(since_rise.now)",
-                "period.elapsed.eq(since_rise.ticks)",
+                "period.elapsed.eq(ages.last)",
+                "period.elapsed.eq(ages.since_last)",
                 "sensor",
             ),
             _mutant(
-                "from-any-edge",
-                "since_rise.restart.eq(a.rise)",
-                "since_rise.restart.eq(a_edge)",
-                "sensor",
+                "from-any-edge", "ages.edge_soon.eq(a_soon)", "ages.edge_soon.eq(a_edge)", "sensor"
             ),
-            _mutant("clean-only", "with m.If(closes):", "with m.If(closes & clean):", "period"),
+            _mutant("other-counter", "Mux(last, *ages[::-1])", "Mux(newest, *ages[::-1])"),
+            _mutant("clean-only", "with m.If(closed):", "with m.If(self.judged):", "period"),
         ),
+        fast=False,
     ),
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from amaranth.hdl import Module, Mux, Signal, Value
 
-from railgate.odometer.proofs.contract import Observed
+from railgate.odometer.proofs.contract import LATE, Observed, counts
 from railgate.odometer.spec import Config, Flag
-from railgate.proving import Claim, Induction, Mutant, Run, Search
+from railgate.proving import Claim, Induction, Internals, Mutant, Run, Search
 
 __all__ = ["CLAIMS"]
 
@@ -32,46 +32,60 @@ class _Pulses(Observed):
         inner = self.odometer(m)
         strobes = self.strobes
 
-        edges_a, edges_b = Signal(self.config.count_bits), Signal(self.config.count_bits)
-        edges_a_now, edges_b_now = edges_a + self.on_a.rise, edges_b + self.on_b.rise
-        m.d.sync += [edges_a.eq(edges_a_now), edges_b.eq(edges_b_now)]
+        width = self.config.count_bits
+        edges_a, edges_b, pulses = (Signal(width, name=f"edges_{of}") for of in ("a", "b", "new"))
+        rise = self.on_a.rise
+        edges_a_now, edges_b_now = edges_a + rise, edges_b + self.on_b.rise
+        full, full_now = Signal(), Signal()  # one more was not counted
+        pulses_now = Mux(pulses.all(), pulses, pulses + rise)
+        m.d.comb += full_now.eq(full | (pulses.all() & rise))
+        m.d.sync += [
+            edges_a.eq(edges_a_now),
+            edges_b.eq(edges_b_now),
+            pulses.eq(Mux(strobes.opens, 0, pulses_now)),
+            full.eq(full_now & ~strobes.opens),
+        ]
         counted, carried = self.reports(
-            m, inner, {"a_rising": edges_a_now, "b_rising": edges_b_now}
+            m,
+            inner,
+            {
+                "a_rising": (edges_a, edges_a_now),
+                "b_rising": (edges_b, edges_b_now),
+                "pulses": (self.cleared("pulses", pulses), pulses_now),
+            },
         )
 
-        at_strobe, told = Signal.like(edges_a), Signal.like(edges_a)
-        pulses = inner["sensor.0.pulses"]
+        at_strobe, told, full_at_strobe = Signal(width), Signal(width), Signal()
+        out = inner["sensor.0.pulses"]
         with m.If(strobes.opens):
-            m.d.sync += at_strobe.eq(edges_a_now)
+            m.d.sync += [at_strobe.eq(edges_a_now), full_at_strobe.eq(full_now)]
         with m.If(strobes.delivers):
-            full = self._full(pulses, inner["sensor.0.flags"])
-            m.d.sync += told.eq(Mux(full, at_strobe, told + pulses))
+            m.d.sync += told.eq(Mux(self._full(out, inner), at_strobe, told + out))
 
-        def account(before: Value, where: str, after: Value) -> Value:
-            pulses, flags = inner[where.format("pulses")], inner[where.format("flags")]
-            return ((before + pulses)[: len(before)] == after) | self._full(pulses, flags)
-
-        delivered = account(told, "sensor.0.{}", at_strobe)
-        on_the_way = Mux(strobes.busy, account(told, "latched_0_{}", at_strobe), told == at_strobe)
+        account = ((told + out)[:width] == at_strobe) | self._full(out, inner)
+        saturated, flagged = self.flagged(m, inner, Flag.SATURATED, full, full_at_strobe)
+        copy = self.at_strobe["pulses"]
+        on_the_way = ((told + copy)[:width] == at_strobe) | full_at_strobe
         m.d.comb += [
             self.lemma.counts.eq(
-                (inner["sensor_0.a_rising"] == edges_a) & (inner["sensor_0.b_rising"] == edges_b)
+                counts(inner, "sensor_0.a_rising")
+                & counts(inner, "sensor_0.b_rising")
+                & counts(inner, "sensor_0.pulses", saturates=True)
             ),
-            self.lemma.carried.eq(carried),
+            self.lemma.carried.eq(carried & flagged),
             self.lemma.pending.eq(
-                Mux(
-                    strobes.latches,
-                    account(told, "sensor_0.{}", edges_a) & (at_strobe == edges_a),
-                    account(at_strobe, "sensor_0.{}", edges_a) & (strobes.delivers | on_the_way),
-                )
+                Mux(strobes.opened[LATE:].any(), on_the_way, told == at_strobe)
+                & (full | ((at_strobe + pulses)[:width] == edges_a))
+                & (~full | pulses.all())
+                & (~full_at_strobe | copy.all())
             ),
-            self.holds.eq(counted & (~strobes.delivers | delivered)),
-            self.reached.eq(strobes.delivers & (pulses == 1) & (edges_a != at_strobe)),
+            self.holds.eq(counted & saturated & (~strobes.delivers | account)),
+            self.reached.eq(strobes.delivers & (out == 1) & (edges_a != at_strobe)),
         ]
         return m
 
-    def _full(self, pulses: Value, flags: Value) -> Value:
-        return (pulses == (1 << self.config.count_bits) - 1) & (flags & Flag.SATURATED).any()
+    def _full(self, pulses: Value, inner: Internals) -> Value:
+        return pulses.all() & (inner["sensor.0.flags"] & Flag.SATURATED).any()
 
 
 def _mutant(
@@ -91,23 +105,22 @@ CLAIMS = (
         ),
         requirements=("ODO-6", "ODO-7"),
         monitor=_Pulses,
-        method=Induction(),
+        method=Induction(12),
         cover=READ,
         mutants=(
+            _mutant("strobe-wins-over-edge", " | (a_rise & latch))", ")", MANY_READS),
             _mutant(
-                "strobe-wins-over-edge",
-                "self.pulses.eq(pulses + (a.rise & ~pulses_full))",
-                "self.pulses.eq(Mux(self.latch, 0, pulses + (a.rise & ~pulses_full)))",
+                "read-does-not-clear",
+                "self.pulses, counted, restart=latch",
+                "self.pulses, counted, restart=0",
                 MANY_READS,
             ),
-            _mutant(
-                "read-does-not-clear", "Mux(self.latch, 0, self.pulses)", "self.pulses", MANY_READS
-            ),
-            _mutant("both-edges", "pulses + (a.rise &", "pulses + (a_edge &"),
-            _mutant("other-channel", "self.a_rising + a.rise", "self.a_rising + b.rise"),
+            _mutant("both-edges", "counted.eq((a_soon &", "counted.eq((a_edge &"),
+            _mutant("other-channel", "self.a_rising, a_rise", "self.a_rising, b_rise"),
             _mutant(
                 "reads-while-busy", "self.strobe & ~self.busy", "self.strobe", READ, "odometer"
             ),
         ),
+        fast=False,
     ),
 )

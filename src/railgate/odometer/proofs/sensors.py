@@ -82,8 +82,8 @@ CLAIMS = (
             _mutant("hears-its-neighbour", "sensor.a.eq(pins.a)", "sensor.a.eq(self.sensor[-1].a)"),
             _mutant(
                 "second-reads-later",
-                "with m.If(gate.latch):",
-                "with m.If(gate.latch if index == 0 else gate.busy & ~gate.publish):",
+                "with m.If(gate.latches[late]):",
+                "with m.If(gate.latches[late] if index == 0 else gate.latches[late:LAST].any()):",
             ),
         ),
         fast=False,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from amaranth.hdl import Cat, Module, Signal, Value
+from amaranth.hdl import Cat, Const, Module, Signal, Value
 
-from railgate.odometer.proofs.contract import Strobes
+from railgate.odometer.proofs.contract import Strobes, counts
 from railgate.odometer.spec import Config
 from railgate.proving import Claim, Induction, Internals, Monitor, Mutant, Search
 
@@ -35,6 +35,7 @@ class _Snapshots(Monitor):
 
     def elaborate(self, _platform: object) -> Module:
         from railgate.odometer.gateware import Odometer
+        from railgate.odometer.gateware.sensor import settled
 
         m = Module()
         dut = Odometer(self.config)
@@ -47,36 +48,57 @@ class _Snapshots(Monitor):
                 pins.b.eq(getattr(self, f"b{index}")),
             ]
 
+        fields = [
+            (index, field)
+            for index in range(self.config.sensors)
+            for field in self.config.sensor_fields
+        ]
+
         def watched(path: str) -> Value:
-            fields = [
-                inner[path.format(index, field.name)]
-                for index in range(self.config.sensors)
-                for field in self.config.sensor_fields
-            ]
-            return Cat(*fields).word_select(self.part, WATCHED)
+            found = (inner[path.format(index, field.name)] for index, field in fields)
+            return Cat(*found).word_select(self.part, WATCHED)
+
+        masks = [0] * Config.snapshot_latency_ticks  # of the bits that are so late
+        at = 0
+        for _, field in fields:
+            for part, late in settled(self.config, field):
+                masks[late] |= ((1 << part.stop - part.start) - 1) << at
+                at += part.stop - part.start
+        so_late = [Const(mask, at).word_select(self.part, WATCHED) for mask in masks]
 
         tick, number = Signal.like(dut.time), Signal.like(dut.number)
-        at_strobe, copy = Signal.like(tick), Signal(WATCHED)
+        at_strobe, copy, copy_now = Signal.like(tick), Signal(WATCHED), Signal(WATCHED)
         part, begun = Signal.like(self.part), Signal()
-        m.d.sync += [tick.eq(tick + 1), part.eq(self.part), begun.eq(1)]
+        opened = strobes.opened
+        takes = Signal(WATCHED)
+        taken = [(copy & ~Const((1 << at) - 1, at).word_select(self.part, WATCHED)) == 0]
+        for ticks, bits in enumerate(so_late[:-1]):
+            with m.If(opened[ticks]):
+                m.d.comb += takes.eq(bits)
+            same = ((watched("latched_{}_{}") ^ copy) & bits) == 0
+            taken.append(~opened[ticks + 1 : -1].any() | same)
+        m.d.comb += copy_now.eq((copy & ~takes) | (watched("sensor_{}.{}") & takes))
+        m.d.sync += [tick.eq(tick + 1), part.eq(self.part), begun.eq(1), copy.eq(copy_now)]
         with m.If(strobes.opens):
             m.d.sync += [at_strobe.eq(tick), number.eq(number + 1)]
-        with m.If(strobes.latches):
-            m.d.sync += copy.eq(watched("sensor_{}.{}"))
 
         told = Cat(dut.number, dut.time, watched("sensor.{}.{}"))
         expected = Signal.like(told)
         with m.If(strobes.publishes):
-            m.d.sync += expected.eq(Cat(number, at_strobe, copy))
+            m.d.sync += expected.eq(Cat(number, at_strobe, copy_now))
         m.d.comb += [
             self.assumed.eq(~begun | (self.part == part)),
             self.lemma.gate.eq(strobes.agrees(inner)),
-            self.lemma.taken.eq(
-                strobes.latches | ~strobes.busy | (watched("latched_{}_{}") == copy)
-            ),
+            self.lemma.taken.eq(Cat(*taken).all()),
             self.lemma.common.eq(
-                (inner["gate.ticks"] == tick)
-                & (~strobes.busy | (inner["gate.strobe_time"] == at_strobe))
+                counts(inner, "gate.ticks")
+                & counts(inner, "gate.next_number")
+                & ((inner["gate.ticks"] + begun)[: len(tick)] == tick)
+                & (begun == inner["gate.started_0"])
+                & (begun | ~strobes.busy)
+                & (~opened[1:-1].any() | (inner["gate.next_time"] == at_strobe))
+                & (~opened[0] | ((at_strobe + 1)[: len(tick)] == tick))
+                & ((inner["gate.next_number"] + opened[0])[: len(number)] == number)
                 & ((dut.number + strobes.busy)[: len(number)] == number)
             ),
             self.holds.eq((told == expected) & (dut.busy == strobes.busy)),
@@ -94,9 +116,10 @@ CLAIMS = (
         name="odometer.snapshot",
         claim=(
             "16 ticks after a strobe that found busy = 0, all fields of both sensors change "
-            "together to what their registers were after the strobe's tick, with the time of that "
-            "tick (modulo 2⁴⁸) and the number of such strobes (modulo 2³²); at all other times, "
-            "also at strobes while busy, none of them changes (default configuration)."
+            "together to what their registers tell of the strobe's tick, each part as late as its "
+            "register is, with the time of that tick (modulo 2⁴⁸) and the number of such strobes "
+            "(modulo 2³²); at all other times, also at strobes while busy, none of them changes "
+            "(default configuration)."
         ),
         requirements=("ODO-7",),
         monitor=_Snapshots,
@@ -104,15 +127,17 @@ CLAIMS = (
         cover=Search(READ),
         mutants=(
             _mutant(
-                "latches-late", "with m.If(gate.latch):", "with m.If(gate.busy & ~gate.publish):"
+                "latches-late",
+                "with m.If(gate.latches[late]):",
+                "with m.If(gate.latches[late:LAST].any()):",
             ),
             _mutant(
                 "torn-field",
-                "field.name).eq(latched)",
-                'field.name).eq(sensor.period if field.name == "period" else latched)',
+                "if late == LAST else",
+                'if late == LAST or field.name == "period" else',
             ),
-            _mutant("tick-early", "remaining.eq(latency - 1)", "remaining.eq(latency - 2)"),
-            _mutant("time-of-delivery", "self.time.eq(strobe_time)", "self.time.eq(self.ticks)"),
+            _mutant("tick-early", "If(gate.latches[LAST])", "If(gate.latches[LAST - 1])"),
+            _mutant("time-of-delivery", "self.time.eq(next_time)", "self.time.eq(self.ticks)"),
         ),
         fast=False,
     ),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value, signed
 
-from railgate.odometer.proofs.contract import SEATED, Observed, quarter
+from railgate.odometer.proofs.contract import SEATED, Observed, counts, quarter
 from railgate.odometer.spec import Config
-from railgate.proving import Claim, Induction, Mutant, Search
+from railgate.proving import Claim, Induction, Internals, Mutant, Search
 
 __all__ = ["CLAIMS"]
 
@@ -14,31 +14,43 @@ READ = 26
 """Ticks from reset within which a few steps can be made and told."""
 
 
-class _Steps(Observed):
-    """Each snapshot tells the steps of the pins' levels, by the quarters that these are in."""
+class _Counted(Observed):
+    """What the contract counts of the steps.
 
-    def __init__(self) -> None:
-        super().__init__(Config(), lemmas=("live", "carried"))
+    After `counted`: position, direction_changes, illegal_transitions by name, each before and
+    after this tick's events.
+    """
 
-    def elaborate(self, _platform: object) -> Module:
-        m = Module()
-        inner = self.odometer(m)
-        width = self.config.count_bits
-
-        travel = self.travel
+    def counted(self, m: Module, inner: Internals) -> dict[str, tuple[Value, Value]]:
+        """Adds it; gives the fields, and drives the lemma `counts`."""
+        width, travel = self.config.count_bits, self.travel
         position = Signal(signed(width))
         changes, illegal = Signal(width), Signal(width)
-        registers = {
+        fields = {
             "position": (position, position + travel.forward - travel.back),
             "direction_changes": (changes, changes + travel.reversal),
             "illegal_transitions": (illegal, illegal + travel.illegal),
         }
-        m.d.sync += [register.eq(now) for register, now in registers.values()]
-        fields = {name: now for name, (_, now) in registers.items()}
-        told, carried = self.reports(m, inner, {**fields, "direction": travel.next})
-        live = [inner[f"sensor_0.{name}"] == register for name, (register, _) in registers.items()]
+        m.d.sync += [register.eq(now) for register, now in fields.values()]
+        m.d.comb += self.lemma.counts.eq(
+            counts(inner, "sensor_0.direction_changes")
+            & counts(inner, "sensor_0.illegal_transitions")
+        )
+        return fields
+
+
+class _Steps(_Counted):
+    """Each snapshot tells the steps of the pins' levels, by the quarters that these are in."""
+
+    def __init__(self) -> None:
+        super().__init__(Config(), lemmas=("counts", "carried"))
+
+    def elaborate(self, _platform: object) -> Module:
+        m = Module()
+        inner = self.odometer(m)
+        direction = (self.travel.direction, self.travel.next)
+        told, carried = self.reports(m, inner, self.counted(m, inner) | {"direction": direction})
         m.d.comb += [
-            self.lemma.live.eq(Cat(*live).all()),
             self.lemma.carried.eq(carried),
             self.holds.eq(told),
             self.reached.eq(
@@ -50,46 +62,44 @@ class _Steps(Observed):
         return m
 
 
-class _Agreement(Observed):
+class _Agreement(_Counted):
     """Position and levels of each snapshot tell the same quarter, of which illegal steps skip two.
 
     So told by the ports alone, but for the quarter at start.
     """
 
     def __init__(self) -> None:
-        super().__init__(Config(), lemmas=("levels", "live", "carried"))
+        super().__init__(Config(), lemmas=("counts", "live", "copies", "carried"))
 
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.odometer(m)
-        strobes = self.strobes
+        strobes, a, b = self.strobes, self.on_a, self.on_b
 
-        tick, start, seated = Signal(range(SEATED + 2)), Signal(2), Signal()
-        m.d.sync += tick.eq(Mux(tick > SEATED, tick, tick + 1))
-        with m.If(tick == SEATED):
-            m.d.sync += start.eq(quarter(self.on_a.level, self.on_b.level))
+        start, seated = Signal(2), Signal()
+        begins, goes_on = a.age(SEATED), a.age(SEATED + 1)
+        with m.If(begins & ~goes_on):
+            m.d.sync += start.eq(quarter(a.level, b.level))
         with m.If(strobes.opens):
-            m.d.sync += seated.eq(tick >= SEATED)
+            m.d.sync += seated.eq(begins)
 
-        def agrees(where: str, seated: Value) -> Value:
-            names = ("position", "illegal_transitions", "level_a", "level_b")
-            position, illegal, a, b = (inner[where.format(name)] for name in names)
+        def agrees(fields: dict[str, Value], seated: Value) -> Value:
+            position, illegal, a, b = (fields[name] for name in names)
             same = (quarter(a, b) - position - 2 * illegal)[:2] == start
             return Mux(seated, same, Cat(position, illegal, a, b) == 0)
 
-        told = agrees("sensor.0.{}", seated)
-        under_way = Mux(
-            strobes.latches, agrees("sensor_0.{}", seated), agrees("latched_0_{}", seated)
-        )
-        levels = [
-            inner[f"sensor_0.level_{c}"] == channel.before
-            for c, channel in (("a", self.on_a), ("b", self.on_b))
-        ]
+        fields = self.counted(m, inner)
+        del fields["direction_changes"]
+        fields |= {"level_a": (a.before, a.level), "level_b": (b.before, b.level)}
+        names = tuple(fields)
+        told, carried = self.reports(m, inner, fields)
         m.d.comb += [
-            self.lemma.levels.eq(Cat(*levels, tick == self.on_a.ticks).all()),
-            self.lemma.live.eq(agrees("sensor_0.{}", tick > SEATED)),
-            self.lemma.carried.eq(Mux(strobes.busy, under_way, told) & (~seated | (tick > SEATED))),
-            self.holds.eq(strobes.busy | told),
+            self.lemma.live.eq(agrees({name: fields[name][0] for name in names}, goes_on)),
+            self.lemma.copies.eq(agrees(self.at_strobe, seated) & (~seated | goes_on)),
+            self.lemma.carried.eq(carried & told),
+            self.holds.eq(
+                strobes.busy | agrees({name: inner[f"sensor.0.{name}"] for name in names}, seated)
+            ),
             self.reached.eq(
                 strobes.delivers & (inner["sensor.0.position"] == -2) & seated & (start == 1)
             ),
@@ -112,11 +122,14 @@ CLAIMS = (
         ),
         requirements=("ODO-5", "ODO-6"),
         monitor=_Steps,
-        method=Induction(),
+        method=Induction(8),
         cover=Search(READ),
         mutants=(
             _mutant(
-                "wrong-sign", "+ steps.forward - steps.reverse", "- steps.forward + steps.reverse"
+                "wrong-sign",
+                "Cat(forward | reverse, reverse)",
+                "Cat(forward | reverse, forward)",
+                "steps",
             ),
             _mutant(
                 "other-edge",
@@ -132,17 +145,18 @@ CLAIMS = (
             ),
             _mutant(
                 "keeps-direction",
-                "self.direction.eq(Direction.NONE)",
-                "self.direction.eq(self.direction)",
+                "heading.eq(Direction.NONE)",
+                "heading.eq(heading)",
                 "steps",
             ),
             _mutant(
                 "latches-late",
-                "with m.If(gate.latch):",
-                "with m.If(gate.busy & ~gate.publish):",
+                "with m.If(gate.latches[late]):",
+                "with m.If(gate.latches[late:LAST].any()):",
                 "odometer",
             ),
         ),
+        fast=False,
     ),
     Claim(
         name="odometer.quarters",
@@ -153,21 +167,21 @@ CLAIMS = (
         ),
         requirements=("ODO-5", "ODO-6", "ODO-7"),
         monitor=_Agreement,
-        method=Induction(),
+        method=Induction(8),
         cover=Search(READ),
         mutants=(
             _mutant(
-                "level-tick-late", "self.level_a.eq(a.level)", "self.level_a.eq(a.level & ~a.rise)"
+                "level-tick-late", "self.level_a.eq(a_level)", "self.level_a.eq(a_level & ~a_rise)"
             ),
             _mutant(
                 "rises-only",
-                "a_edge, b_edge = a.rise | a.fall, b.rise | b.fall",
-                "a_edge, b_edge = a.rise, b.rise",
+                "Cat(a.rise, a.rise | a.fall, a.level",
+                "Cat(a.rise, a.rise, a.level",
             ),
             _mutant(
                 "illegal-untold",
-                "self.illegal_transitions + steps.illegal",
-                "self.illegal_transitions",
+                "self.illegal_transitions, steps.illegal",
+                "self.illegal_transitions, 0",
             ),
             Mutant(
                 "edge-at-start",
@@ -177,5 +191,6 @@ CLAIMS = (
                 Search(READ),
             ),
         ),
+        fast=False,
     ),
 )

@@ -6,14 +6,14 @@ from functools import partial
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.odometer.proofs.contract import SMALL, Observed
+from railgate.odometer.proofs.contract import SMALL, Observed, counts
 from railgate.odometer.spec import Config
 from railgate.proving import TICK, Claim, Induction, Internals, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
 
 __all__ = ["CLAIMS"]
 
-READ = Search(28)
+READ = Search(34)
 """Ticks from reset within which a window of several periods can be told."""
 
 ROLLING = 400
@@ -29,9 +29,9 @@ class _Window(Observed):
     """
 
     def __init__(self, config: Config) -> None:
-        super().__init__(config, ("boundary", "live", "carried"))
+        super().__init__(config, ("boundary", "places", "live", "carried"))
 
-    def window(self, m: Module, inner: Internals) -> dict[str, Value]:
+    def window(self, m: Module, inner: Internals) -> dict[str, tuple[Value, Value]]:
         """Adds it; the fields after this tick's events, but for the sums."""
         limit, rise, opens = self.config.period_max, self.on_a.rise, self.strobes.opens
         # A window is voided before differences of these could be ambiguous.
@@ -60,48 +60,64 @@ class _Window(Observed):
             n.eq(Mux(opens, 0, n_now)),
         ]
         self.t, self.n, self.n_now, self.adds, self.starts = t, n, n_now, adds, starts
-        self.seated, self.ticks = seated, Mux(seated, (last - boundary)[:width], 0)
+        self.seated = seated
 
-        now = Mux(
-            self.strobes.latches, inner["sensor_0.since_rise"], inner["sensor_0.window.elapsed"]
-        )
+        moved = Signal()
+        m.d.sync += moved.eq(rise & starts)
+        ages = [counts(inner, f"sensor_0.ages.age_{which}", saturates=True) for which in range(2)]
+        since_last = (tick - last)[:width]
         m.d.comb += self.lemma.boundary.eq(
-            ~seated
-            | (
-                (t <= limit)
-                & (t != 0)
-                & (now + 1 == t)
-                & (inner["sensor_0.since_rise"] + 1 == (tick - last)[:width])
-                & ((tick - last)[:width] <= t)
-                & ((tick - last)[:width] != 0)
-                & inner["sensor_0.since_rise.started"]
-                & (~self.strobes.latches | (boundary == last))
-                & ((n != 0) | (boundary == last))
+            (~self.on_a.begun | Cat(*ages).all())
+            & (
+                ~seated
+                | (
+                    (t <= limit)
+                    & (t != 0)
+                    & (moved | (inner["sensor_0.ages.boundary"] == t))
+                    & (inner["sensor_0.ages.last"] == since_last)
+                    & (since_last <= t)
+                    & (since_last != 0)
+                    & ((~self.strobes.latches & ~moved) | (boundary == last))
+                    & ((n != 0) | (boundary == last))
+                )
             )
         )
+
+        places, most = inner["sensor_0.window.places"], self.config.window_pulses
+        start = (1 << len(places)) - 1 - most
+        used = (places - start)[: len(places)]
+        in_use = Mux(self.strobes.latches, 0, inner["sensor_0.window.added"])
+        m.d.comb += self.lemma.places.eq(
+            (n <= most)
+            & (inner["sensor_0.window.moves"] == moved)
+            & (inner["sensor_0.window_seated"] == seated)
+            & (
+                ~self.on_a.begun
+                | (
+                    counts(inner, "sensor_0.window.places")
+                    & counts(inner, "sensor_0.window.n")
+                    & (~seated | moved | (used + in_use == n))
+                )
+            )
+        )
+        ticks = Mux(seated, (last - boundary)[:width], 0)
         return {
-            "window_seated": seated_now,
-            "window_n": n_now,
-            "window_ticks": Mux(seated_now, (last_now - boundary_now)[:width], 0),
+            "window_seated": (seated, seated_now),
+            "window_n": (self.cleared("window_n", n), n_now),
+            "window_ticks": (
+                self.cleared("window_ticks", ticks),
+                Mux(seated_now, (last_now - boundary_now)[:width], 0),
+            ),
         }
 
-    def tells(
-        self, m: Module, inner: Internals, fields: dict[str, Value], sums: dict[str, Value]
-    ) -> None:
-        """The claim: snapshots tell the window's fields, of which `sums` are before this tick."""
+    def tells(self, m: Module, inner: Internals, fields: dict[str, tuple[Value, Value]]) -> None:
+        """The claim: snapshots tell the window's fields."""
         told, carried = self.reports(m, inner, fields)
-        before = {"window_n": self.n, "window_ticks": self.ticks, **sums}
-        names = ("window_seated", *before)
-        live = [inner[f"sensor_0.{name}"] == before.get(name, self.seated) for name in names]
-        latched = [inner[f"sensor_0.{name}"] == self.at_strobe[name] for name in names]
-        resting = Cat(*(value == 0 for value in before.values())).all()
-        alone = self.seated == inner["sensor_0.window_seated"]
+        resting = Cat(
+            *(before == 0 for name, (before, _) in fields.items() if name != "window_seated")
+        ).all()
         m.d.comb += [
-            self.lemma.live.eq(
-                Mux(self.strobes.latches, Cat(*latched, resting, alone).all(), Cat(*live).all())
-                & (self.n <= self.config.window_pulses)
-                & (self.seated | resting)
-            ),
+            self.lemma.live.eq(self.seated | resting | self.strobes.latches),
             self.lemma.carried.eq(carried),
             self.holds.eq(told & (self.n <= self.config.window_pulses)),
         ]
@@ -116,7 +132,7 @@ class _Edges(_Window):
     def elaborate(self, _platform: object) -> Module:
         m = Module()
         inner = self.odometer(m)
-        self.tells(m, inner, self.window(m, inner), {})
+        self.tells(m, inner, self.window(m, inner))
         m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
         return m
 
@@ -133,15 +149,18 @@ class _Sums(_Window):
         fields = self.window(m, inner)
 
         total, nested = Signal(self.config.sum_a_bits), Signal(self.config.sum_b_bits)
-        t = Mux(self.adds, self.t, 0)
-        total_now = Mux(self.starts, 0, total + t)
-        nested_now = Mux(self.starts, 0, nested + Mux(self.adds, total, 0) + t)
+        more = (total + self.t)[: len(total)]
+        total_now = Mux(self.starts, 0, Mux(self.adds, more, total))
+        nested_now = Mux(self.starts, 0, nested + Mux(self.adds, more, 0))
         m.d.sync += [
             total.eq(Mux(self.strobes.opens, 0, total_now)),
             nested.eq(Mux(self.strobes.opens, 0, nested_now)),
         ]
-        fields |= {"sum_a": total_now, "sum_b": nested_now}
-        self.tells(m, inner, fields, {"sum_a": total, "sum_b": nested})
+        fields |= {
+            "sum_a": (self.cleared("sum_a", total), total_now),
+            "sum_b": (self.cleared("sum_b", nested), nested_now),
+        }
+        self.tells(m, inner, fields)
         m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
         return m
 
@@ -169,7 +188,10 @@ class _LeastSquares(_Window):
             m.d.sync += tick.eq(ticks_now[-1])
 
         before, after = self._sums(ticks, self.n), self._sums(ticks_now, self.n_now)
-        self.tells(m, inner, fields | after, before)
+        fields |= {
+            name: (self.cleared(name, before[name]), after[name]) for name in ("sum_a", "sum_b")
+        }
+        self.tells(m, inner, fields)
         m.d.comb += self.reached.eq(self.strobes.delivers & (inner["sensor.0.window_n"] == 2))
         return m
 
@@ -202,10 +224,8 @@ def _rolling(quarter: int) -> Trace:
 _ROLLS = Run(ROLLING, partial(_rolling, 2))
 _ROLLS_SLOWLY = Run(ROLLING, partial(_rolling, 3))
 _ROLLS_FAST = Run(ROLLING, partial(_rolling, 1))
-_SUM_BEFORE = _mutant("sum-before", "eq(sum_b + sum_a + now)", "eq(sum_b + sum_a)")
-_TICK_MISSING = _mutant(
-    "tick-missing", "self.since_rise, elapsed) + 1", "self.since_rise, elapsed)"
-)
+_SUM_BEFORE = _mutant("sum-before", "masked(m, sum_a, sums", "masked(m, delayed(m, sum_a, 1), sums")
+_TICK_MISSING = _mutant("tick-missing", "ticks.eq(elapsed)", "ticks.eq(elapsed - 1)")
 
 CLAIMS = (
     Claim(
@@ -218,18 +238,20 @@ CLAIMS = (
         ),
         requirements=("ODO-10",),
         monitor=_Edges,
-        method=Induction(),
+        method=Induction(14),
         cover=READ,
         mutants=(
             _TICK_MISSING,
-            _mutant("reversal-stays", "self.window_seated & self.broken", "0"),
-            _mutant(
+            _mutant("reversal-stays", "kept = seated & ~self.broken", "kept = seated"),
+            Mutant(
                 "old-boundary",
-                "Mux(self.latch, self.since_rise, elapsed)",
-                "elapsed",
+                "railgate.odometer.gateware.sensor",
+                "moves_soon.eq(latch_soon | window.moves)",
+                "moves_soon.eq(window.moves)",
                 _ROLLS,
             ),
         ),
+        fast=False,
     ),
     Claim(
         name="odometer.sums",
@@ -240,12 +262,12 @@ CLAIMS = (
         ),
         requirements=("ODO-10",),
         monitor=_Sums,
-        method=Induction(),
+        method=Induction(14),
         cover=READ,
         mutants=(
             _SUM_BEFORE,
             _TICK_MISSING,
-            _mutant("product", "self.sum_a.eq(sum_a + now)", "self.sum_a.eq(sum_a << 1 | now)"),
+            _mutant("product", "skewed(m, t, SUM_BITS", "skewed(m, t << 1, SUM_BITS"),
         ),
         fast=False,
     ),
@@ -259,15 +281,24 @@ CLAIMS = (
         ),
         requirements=("ODO-10",),
         monitor=_LeastSquares,
-        method=Induction(),
+        method=Induction(14),
         cover=READ,
         mutants=(
             _SUM_BEFORE,
-            _mutant("edge-too-many", "n == config.window_pulses", "0", _ROLLS_FAST),
+            _mutant("edge-too-many", "& ~self.full & ~no_more\n", "& ~self.full\n", _ROLLS_FAST),
             _mutant(
-                "edge-too-few", "n == config.window_pulses", "n == config.window_pulses - 1", _ROLLS
+                "edge-too-few",
+                "init=most - config.window_pulses",
+                "init=most - config.window_pulses + 1",
+                _ROLLS,
             ),
-            _mutant("never-saturates", "(now == config.period_max)", "0", _ROLLS_SLOWLY),
+            _mutant(
+                "never-saturates",
+                "full = self.full & ~self.moves",
+                "full = self.full & 0",
+                _ROLLS_SLOWLY,
+            ),
         ),
+        fast=False,
     ),
 )
