@@ -134,7 +134,7 @@ def test_a_top_answers_attach(target) -> None:
         channel = told["vital_output"]
         assert (channel["trusted"], channel["linked"]) == (True, False)
         assert (channel["accepted"] > 0, channel["start"]) == (True, 1)
-        # Its first second; and that nobody votes with it.
+        # The command that begins a sequence only begins it; the others meet no other channel.
         assert channel["causes"]["time"] == channel["start"]
         assert channel["causes"].keys() <= {"time", "skew"}
 
