@@ -40,7 +40,9 @@ def resources(name: str) -> str:
     measured = [each for each in told if each["target"] == name]
     if not measured:
         return "Not measured yet.\n"
-    rows = [[number(each[key]) for key in COLUMNS] for each in measured]
+    rows = [
+        ["" if each[key] is None else number(each[key]) for key in COLUMNS] for each in measured
+    ]
     made = table(list(COLUMNS.values()), rows)
     if {each["digest"] for each in measured} != {TARGETS[name].sources().digest}:
         made += "\nThe gateware has changed since: measure it anew with `railgate fpga report`.\n"

@@ -85,10 +85,12 @@ def test_resources_are_told_as_measured_and_whether_of_this_gateware(monkeypatch
     monkeypatch.setattr("sheets.resources.RECORD", record)
     told = dict.fromkeys(COLUMNS, 7) | {"target": "odometer", "part": "ECP5", "lut": 1234}
     for digest, changed in ((TARGETS["odometer"].sources().digest, False), ("0", True)):
-        record.write_text(json.dumps([told | {"digest": digest}]), "utf-8")
+        bare = told | {"lut_ratio": None, "digest": digest}
+        record.write_text(json.dumps([told | {"digest": digest}, bare]), "utf-8")
         page = resources("odometer")
+        assert rows(page)[1][-2:] == ["", "7"]
         assert rows(page)[0] == [
-            *("ECP5", "7", "7", "7", "1\N{NARROW NO-BREAK SPACE}234", "7", "7", "7", "7")
+            *("ECP5", "7", "7", "7", "1\N{NARROW NO-BREAK SPACE}234", *["7"] * 5)
         ]
         assert ("has changed since" in page) == changed
     assert resources("vital_output") == "Not measured yet.\n"
