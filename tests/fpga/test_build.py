@@ -77,7 +77,7 @@ def test_what_fits_a_board_is_built(tmp_path, target, on) -> None:
 @pytest.mark.parametrize(("target", "on"), [c for c in CASES if c[0] not in BOARDS[c[1]].fits])
 def test_what_does_not_fit_a_board_is_told_and_leaves_nothing(tmp_path, target, on) -> None:
     with pytest.raises(UnplacedError) as told:
-        build(target, on, folder=tmp_path, limit_s=300)  # some are not placed in hours
+        build(target, on, folder=tmp_path, limit_s=300)  # some fit by area, and are not placed
     assert "\n" not in str(told.value)
     assert not list(tmp_path.iterdir())
 

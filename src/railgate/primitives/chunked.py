@@ -1,7 +1,8 @@
 """Counters and sums cut into chunks by registers, so that no carry runs through more than one.
 
 A counter's chunks are told ahead of time that the carry will pass them: its value is exact in
-every tick. A sum's chunks are *skewed*: chunk j is, j ticks later, what an adder in one piece has.
+every tick. A sum's chunks are *skewed*: chunk j is, PACE · j ticks later, what an adder in one
+piece has.
 """
 
 from __future__ import annotations
@@ -149,7 +150,7 @@ def skewed(
     reset_less: bool = False,
     name: str = "skewed",
 ) -> Value:
-    """The value, each chunk of it a tick later than the one below."""
+    """The value, each chunk of it PACE ticks later than the one below."""
     return Cat(
         delayed(m, value[part], PACE * late, reset_less=reset_less, name=f"{name}_{late}")
         for late, part in enumerate(chunks(len(value), bits))

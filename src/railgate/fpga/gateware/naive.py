@@ -1,23 +1,21 @@
 """An odometer written straight down from the contract: each field's arithmetic in one tick.
 
 It has the ports and, tick for tick, the outputs of `Odometer`, stamps aside, and shares with it
-nothing but the filter of its inputs. What carries cut short cost and gain is seen beside it.
+nothing but the filter of its inputs and the shapes of its fields. What carries cut short cost and
+gain is seen beside it.
 """
 
 from __future__ import annotations
 
-from amaranth.hdl import Module, Mux, Shape, Signal, Value
+from amaranth.hdl import Module, Mux, Signal, Value
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from railgate.odometer.spec import Config, Direction, Field, Flag
+from railgate.odometer.gateware.sensor import shape
+from railgate.odometer.spec import Config, Direction, Flag
 from railgate.primitives import FilteredInput
 
 __all__ = ["NaiveOdometer"]
-
-
-def _out(field: Field) -> wiring.Member:
-    return Out(Shape(field.width, field.signed))
 
 
 class NaiveOdometer(wiring.Component):
@@ -28,10 +26,10 @@ class NaiveOdometer(wiring.Component):
             raise ValueError(f"stamp_depth must be 0, not {config.stamp_depth}")
         self._config = config
         pins = {"a": In(1), "b": In(1)}
-        sensor = wiring.Signature(pins | {f.name: _out(f) for f in config.sensor_fields})
+        sensor = wiring.Signature(pins | {f.name: Out(shape(f)) for f in config.sensor_fields})
         super().__init__(
             {"strobe": In(1), "busy": Out(1), "sensor": Out(sensor).array(config.sensors)}
-            | {field.name: _out(field) for field in config.common_fields}
+            | {field.name: Out(shape(field)) for field in config.common_fields}
         )
 
     def elaborate(self, _platform: object) -> Module:
@@ -71,7 +69,7 @@ class _Sensor(wiring.Component):
         self._config = config
         super().__init__(
             {name: In(1) for name in ("a", "b", "latch")}
-            | {field.name: _out(field) for field in config.sensor_fields}
+            | {field.name: Out(shape(field)) for field in config.sensor_fields}
         )
 
     def elaborate(self, _platform: object) -> Module:

@@ -21,6 +21,7 @@ __all__ = [
     "Strobes",
     "Travel",
     "aged",
+    "ages_count",
     "counts",
     "quarter",
 ]
@@ -52,7 +53,7 @@ class Channel(wiring.Component):
     reset in the gateware has started.
     """
 
-    def __init__(self, late: int = 0) -> None:
+    def __init__(self, late: int) -> None:
         super().__init__(
             {"pin": In(1)} | {name: Out(1) for name in ("level", "before", "rise", "fall", "begun")}
         )
@@ -245,12 +246,9 @@ class Observed(Monitor):
         ports, of all ticks with busy = 0; the second the invariant behind it: each part of the
         gateware's register has, so late as it is, what it had before the events of a tick.
         """
-        from railgate.odometer.gateware.sensor import settled
-
         opened, busy = self.strobes.opened, self.strobes.busy
         told, carried = [], []
         for name, (before, after) in fields.items():
-            field = next(each for each in self.config.sensor_fields if each.name == name)
             out, latched = inner[f"sensor.0.{name}"], inner[f"latched_0_{name}"]
             register = inner[f"sensor_0.{name}"]
             copy = self.at_strobe[name]
@@ -259,7 +257,7 @@ class Observed(Monitor):
             told.append(busy | (out == copy))
             carried.append(told[-1])
             past: list[Value] = [before]
-            for part, late in settled(self.config, field):
+            for part, late in self.settled(name):
                 while len(past) <= late - LATE:
                     past.append(Signal.like(out, name=f"{name}_{len(past)}_ago"))
                     m.d.sync += past[-1].eq(past[-2])
@@ -268,6 +266,13 @@ class Observed(Monitor):
                 carried += [live | ~self.on_a.begun, ~taken | (latched[part] == copy[part])]
             carried += [~opened[LATE + n] | (each == copy) for n, each in enumerate(past)]
         return Cat(*told).all(), Cat(*carried).all()
+
+    def settled(self, name: str) -> list[tuple[slice, int]]:
+        """As the gateware tells it, of a sensor's field by its name."""
+        from railgate.odometer.gateware.sensor import settled
+
+        (field,) = (each for each in self.config.sensor_fields if each.name == name)
+        return list(settled(self.config, field))
 
     def cleared(self, name: str, value: Value) -> Value:
         """Before this tick's events, a gateware's register of a field that a strobe clears.
@@ -285,11 +290,8 @@ class Observed(Monitor):
         due: it is, before this tick's events. at_strobe: it was after the last strobe's. Returns
         the claim and its invariant, as `reports`.
         """
-        from railgate.odometer.gateware.sensor import settled
-
         opened = self.strobes.opened
-        field = next(each for each in self.config.sensor_fields if each.name == "flags")
-        ((_, late),) = settled(self.config, field)
+        ((_, late),) = self.settled("flags")
         live, latched, out = (
             (inner[path] & flag).any()
             for path in ("sensor_0.flags", "latched_0_flags", "sensor.0.flags")
@@ -307,12 +309,17 @@ class Observed(Monitor):
         return told, Cat(*carried).all()
 
 
+def ages_count(inner: Internals) -> Value:
+    """The invariant of both counters of sensor 0's ages, once they have begun."""
+    which = (counts(inner, f"sensor_0.ages.age_{n}", saturates=True) for n in range(2))
+    return Cat(*which).all()
+
+
 def aged(inner: Internals, of: Channel, since: Value, limit: int) -> Value:
     """The invariant of sensor 0's ticks since the last edge, which are `since`, from tick 1 on."""
-    ages = [counts(inner, f"sensor_0.ages.age_{which}", saturates=True) for which in range(2)]
     expected = Mux(since > limit, limit, since)
     return ~of.begun | (
-        ages[0] & ages[1] & (~of.age(1) | (inner["sensor_0.ages.last"] == expected))
+        ages_count(inner) & (~of.age(1) | (inner["sensor_0.ages.last"] == expected))
     )
 
 

@@ -28,13 +28,10 @@ class _Flags(Observed):
         super().__init__(Config(), lemmas=("live", "carried"))
 
     def elaborate(self, _platform: object) -> Module:
-        from railgate.odometer.gateware.sensor import settled
-
         m = Module()
         inner = self.odometer(m)
 
-        field = next(each for each in self.config.sensor_fields if each.name == "flags")
-        ((_, late),) = settled(self.config, field)
+        ((_, late),) = self.settled("flags")
         reversal, illegal = self.travel.reversal, self.travel.illegal
         for _ in range(late - LATE):
             earlier = reversal, illegal

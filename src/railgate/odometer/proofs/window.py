@@ -6,7 +6,7 @@ from functools import partial
 
 from amaranth.hdl import Cat, Module, Mux, Signal, Value
 
-from railgate.odometer.proofs.contract import SMALL, Observed, counts
+from railgate.odometer.proofs.contract import SMALL, Observed, ages_count, counts
 from railgate.odometer.spec import Config
 from railgate.proving import TICK, Claim, Induction, Internals, Mutant, Run, Search
 from railgate.waves import Trace, Waveform
@@ -64,10 +64,9 @@ class _Window(Observed):
 
         moved = Signal()
         m.d.sync += moved.eq(rise & starts)
-        ages = [counts(inner, f"sensor_0.ages.age_{which}", saturates=True) for which in range(2)]
         since_last = (tick - last)[:width]
         m.d.comb += self.lemma.boundary.eq(
-            (~self.on_a.begun | Cat(*ages).all())
+            (~self.on_a.begun | ages_count(inner))
             & (
                 ~seated
                 | (
